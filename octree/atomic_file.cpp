@@ -1,0 +1,90 @@
+#include "octree/atomic_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "octree/error.h"
+
+namespace glowworm {
+namespace {
+
+[[noreturn]] void throw_write_error(const std::filesystem::path& path, int error) {
+    const bool full = error == ENOSPC || error == EDQUOT;
+    throw Error(full ? ExitCode::kBudget : ExitCode::kUnreadable,
+                "cannot write '" + path.string() + "': " + std::strerror(error) +
+                    (full ? "; free some space or choose another disk"
+                          : "; check that the folder exists and may be written"));
+}
+
+std::filesystem::path unique_sibling(const std::filesystem::path& path) {
+    static std::atomic<unsigned> counter{0};
+    std::filesystem::path sibling = path;
+    sibling.replace_filename("." + path.filename().string() + "." + std::to_string(::getpid()) +
+                             "." + std::to_string(counter++) + ".partial" +
+                             path.extension().string());
+    return sibling;
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& path) {
+    return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::filesystem::path final_path)
+    : final_path_(std::move(final_path)), temporary_path_(unique_sibling(final_path_)) {
+    if (std::filesystem::is_directory(final_path_)) throw_write_error(final_path_, EISDIR);
+    descriptor_ = ::open(temporary_path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+    if (descriptor_ < 0) throw_write_error(final_path_, errno);
+}
+
+AtomicFile::AtomicFile(AtomicFile&& other) noexcept
+    : final_path_(std::move(other.final_path_)),
+      temporary_path_(std::move(other.temporary_path_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      position_(other.position_) {}
+
+AtomicFile::~AtomicFile() {
+    if (descriptor_ < 0) return;
+    ::close(descriptor_);
+    ::unlink(temporary_path_.c_str());
+}
+
+void AtomicFile::write(const void* data, std::size_t bytes) {
+    write_at(position_, data, bytes);
+    position_ += bytes;
+}
+
+void AtomicFile::write_at(std::uint64_t offset, const void* data, std::size_t bytes) {
+    const char* next = static_cast<const char*>(data);
+    while (bytes > 0) {
+        const ssize_t written = ::pwrite(descriptor_, next, bytes, static_cast<off_t>(offset));
+        if (written < 0 && errno == EINTR) continue;
+        if (written <= 0) throw_write_error(final_path_, written < 0 ? errno : ENOSPC);
+        next += written;
+        offset += static_cast<std::uint64_t>(written);
+        bytes -= static_cast<std::size_t>(written);
+    }
+}
+
+void AtomicFile::commit() {
+    if (::fsync(descriptor_) != 0) throw_write_error(final_path_, errno);
+    if (::close(std::exchange(descriptor_, -1)) != 0 ||
+        ::rename(temporary_path_.c_str(), final_path_.c_str()) != 0) {
+        const int error = errno;
+        ::unlink(temporary_path_.c_str());
+        throw_write_error(final_path_, error);
+    }
+    const int folder = ::open(folder_of(final_path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (folder >= 0) {
+        ::fsync(folder);
+        ::close(folder);
+    }
+}
+
+}  // namespace glowworm
