@@ -1,0 +1,76 @@
+#include "preprocess/command/command.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <system_error>
+
+#include "octree/error.h"
+
+namespace glowworm {
+
+CLI::App* Program::add(const std::string& name, const std::string& summary, bool needs_output,
+                       Work work) {
+    CLI::App* command = app.add_subcommand(name, summary);
+    if (needs_output) {
+        command->add_option("-o,--output", flags.output, "where the result goes")->required();
+        command->add_flag("--force", flags.force, "overwrite an output that is there");
+    }
+    command->add_flag("--json", flags.json, "print the result as one JSON object on stdout");
+    command->add_option("--progress", flags.progress, "auto, bar, json or none")
+        ->check(CLI::IsMember({"auto", "bar", "json", "none"}));
+    command->add_flag("-q,--quiet", flags.quiet, "say nothing but errors");
+    command->add_flag("-v,--verbose", flags.verbose, "say every detail");
+    command->add_option("--log-file", flags.log_file, "write the log to this file as well");
+    command->add_option("--threads", flags.threads, "how many threads to use; 0 is all")
+        ->check(CLI::Range(0, 1024));
+    command->final_callback([this, work = std::move(work)] { selected = work; });
+    return command;
+}
+
+void require_writable_output(const std::filesystem::path& path, bool force) {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(path, ignored)) {
+        throw Error(ExitCode::kUsage, fmt::format("the output '{}' is a folder; name a file", path.string()));
+    }
+    if (!force && std::filesystem::exists(path, ignored)) {
+        throw Error(ExitCode::kExists,
+                    fmt::format("the output '{}' exists; --force overwrites it", path.string()));
+    }
+    const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+    if (!std::filesystem::is_directory(folder, ignored)) {
+        throw Error(ExitCode::kUnreadable,
+                    fmt::format("the output's folder '{}' does not exist; make it first", folder.string()));
+    }
+    if (::access(folder.c_str(), W_OK) != 0) {
+        throw Error(ExitCode::kUnreadable,
+                    fmt::format("the output's folder '{}' may not be written", folder.string()));
+    }
+}
+
+void require_distinct(const std::filesystem::path& output,
+                      const std::vector<std::filesystem::path>& inputs) {
+    std::error_code ignored;
+    for (const auto& input : inputs) {
+        if (std::filesystem::equivalent(output, input, ignored)) {
+            throw Error(ExitCode::kUsage,
+                        fmt::format("'{}' is input and output at once; choose another output", output.string()));
+        }
+    }
+}
+
+std::string format_bytes(std::uint64_t bytes) {
+    if (bytes < 1000) return fmt::format("{} B", bytes);
+    if (bytes < 1000'000) return fmt::format("{:.1f} kB", double(bytes) * 1e-3);
+    if (bytes < 1000'000'000) return fmt::format("{:.1f} MB", double(bytes) * 1e-6);
+    return fmt::format("{:.2f} GB", double(bytes) * 1e-9);
+}
+
+std::string format_count(std::uint64_t count) {
+    std::string digits = std::to_string(count);
+    for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, " ");
+    return digits;
+}
+
+}  // namespace glowworm
