@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace glowworm {
+
+/// One input of a conversion, so that a file says what it was made from.
+struct InputFile {
+    std::string file;          ///< name without its folder: a moved folder gives the same bytes
+    std::uint64_t bytes = 0;
+    std::string hash;          ///< XXH3-128 of the content, 32 hexadecimal digits
+};
+
+/// Reads the file once, in blocks. Throws Error (kUnreadable) where it cannot be read.
+InputFile describe_input(const std::filesystem::path& path);
+
+/// The provenance object of interface.md as compact JSON. `command` holds only what decides the
+/// result, never thread counts or paths, so that equal work gives equal bytes.
+std::string provenance_json(const std::string& command, std::span<const InputFile> inputs);
+
+}  // namespace glowworm
