@@ -67,7 +67,8 @@ struct Level {
 
 /// An inner node's bits 0..7 of `mask` are its child mask (octant = x + 2y + 4z) and its children
 /// are the consecutive nodes from `first` (Laine and Karras 2010). A leaf (level = depth) has a zero
-/// child mask, its lobe count (1 or 2) in bits 8..9, and its lobes start at `first`.
+/// child mask, its lobe count in bits 8..9 (1 to 3: up to two of the surface, then at most one that
+/// emits), and its lobes start at `first`.
 struct Node {
     std::uint32_t mask;
     std::uint32_t first;
@@ -75,7 +76,7 @@ struct Node {
 
 /// What a cell holds on the whole, for statistics and for the cones' coarse levels.
 struct NodeAttributes {
-    float opacity;     ///< coverage of the cell's cross-section, 0..1
+    float opacity;     ///< coverage of the cell's cross-section along its most covered axis, 0..1
     float area;        ///< m², surface area inside the cell
     float ndf[3];      ///< area-weighted mean normal; its length is the Toksvig length
     float albedo[3];   ///< linear Rec.709, area-weighted
@@ -90,20 +91,24 @@ struct Lobe {
     float plane_sigma;         ///< m: rms distance of the samples from the lobe's plane
     float albedo[3];           ///< linear Rec.709
     std::uint32_t light;       ///< 0: none, else 1 + index of the area light it belongs to
-    std::uint32_t patch_min;   ///< 3 x 8 bits x,y,z in 1/255 of the leaf's edge, rounded down
+    std::uint32_t patch_min;   ///< 3 x 8 bits x, y, z from the low end, in 1/255 of the leaf's edge
+                               ///< from its lower corner, rounded down
     std::uint32_t patch_max;   ///< 3 x 8 bits, rounded up
-    std::uint32_t emission;    ///< radiance, RGB9E5
+    std::uint32_t emission;    ///< radiance, RGB9E5 (r in the low 9 bits, exponent in the high 5)
     float spacing;             ///< m: mean spacing of the samples, sqrt(area per sample)
 };
 static_assert(sizeof(Lobe) == 64);
 
 inline constexpr std::uint32_t kNoHit = 0xffffffffu;
 
+inline constexpr std::uint32_t kMaxChunkSurfels = 65536;
+
 /// A subtree's surfels. Inside a chunk they lie in level-of-detail order: any prefix is an even
-/// subsample of the whole.
+/// subsample of the whole. The box is a cell of the octree's grid (level 0 to 15) and positions are
+/// truncated, not rounded: a chunk's surfels can be counted from a larger cell by a shift.
 struct Chunk {
     float box_min[3];         ///< m, relative to origin: what quantised positions count from
-    float box_edge;           ///< m: a position is box_min + q / 65535 · box_edge
+    float box_edge;           ///< m: a position is box_min + (q + 0.5) / 65536 · box_edge
     std::uint32_t first;      ///< first surfel
     std::uint32_t count;
     float spacing;            ///< m: mean spacing of all its surfels
@@ -113,10 +118,11 @@ static_assert(sizeof(Chunk) == 32);
 
 /// 20 bytes a point.
 struct PackedSurfel {
-    std::uint32_t position_xy;      ///< low 16 bits x, high y: in 1/65535 of the chunk's edge
+    std::uint32_t position_xy;      ///< low 16 bits x, high y: in 1/65536 of the chunk's edge
     std::uint32_t position_z_radius;///< low 16 bits z, high: radius, IEEE half, m
-    std::uint32_t normal;           ///< octahedral, 2 x 16-bit snorm
-    std::uint32_t albedo_ndf;       ///< r, g, b sRGB-encoded 8 bits each, then NDF length in 1/255
+    std::uint32_t normal;           ///< octahedral, x low, y high: unpackSnorm2x16 of GLSL
+    std::uint32_t albedo_ndf;       ///< r, g, b sRGB-encoded 8 bits each from the low end, then NDF
+                                    ///< length in 1/255
     std::uint32_t station_light;    ///< low 16 bits station, high: 0 or 1 + area light
 };
 static_assert(sizeof(PackedSurfel) == 20);
