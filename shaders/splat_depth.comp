@@ -1,0 +1,26 @@
+#version 450 core
+#extension GL_GOOGLE_include_directive : require
+#include "frame_layout.h"
+#include "view.glsl"
+#include "surfel.glsl"
+#include "splat.glsl"
+#include "splat_input.glsl"
+
+// The nearest disc at each pixel: the bits of a positive float keep its order.
+layout(std430, binding = 3) buffer pixel_depths { uint depths[]; };
+
+void main() {
+    PackedSurfel surfel;
+    Splat splat;
+    if (!this_splat(surfel, splat)) return;
+
+    for (int y = splat.lowest.y; y <= splat.highest.y; ++y) {
+        for (int x = splat.lowest.x; x <= splat.highest.x; ++x) {
+            float depth, weight;
+            if (!splat_at(splat, ivec2(x, y), depth, weight)) continue;
+            uint pixel = uint(y) * view.width + uint(x);
+            uint bits = floatBitsToUint(depth);
+            if (bits < depths[pixel]) atomicMin(depths[pixel], bits);
+        }
+    }
+}

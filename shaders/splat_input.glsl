@@ -1,0 +1,22 @@
+// What the splatting passes read: the drawn chunks of one page and the batches over them.
+layout(local_size_x = SPLAT_GROUP) in;
+layout(std430, binding = 0) readonly buffer surfel_page { PackedSurfel surfels[]; };
+layout(std430, binding = 1) readonly buffer drawn_chunks { DrawnChunk chunks[]; };
+layout(std430, binding = 2) readonly buffer splat_batches { SplatBatch batches[]; };
+layout(location = 0) uniform uint batch_count;
+layout(location = 1) uniform uint first_batch;
+
+// This invocation's surfel and its disc; false where there is none to draw.
+bool this_splat(out PackedSurfel surfel, out Splat splat) {
+    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    if (group >= batch_count) return false;
+    SplatBatch batch = batches[first_batch + group];
+    DrawnChunk chunk = chunks[batch.chunk];
+    uint index = batch.first + gl_LocalInvocationID.x;
+    if (index >= chunk.count) return false;
+    surfel = surfels[chunk.first + index];
+    if (surfel_light(surfel) != 0u) return false;   // panels are drawn as exact rectangles
+    return make_splat(camera_from_octree(surfel_position(surfel, chunk.box)),
+                      camera_from_octree_direction(surfel_normal(surfel)),
+                      surfel_radius(surfel) * chunk.scale, splat);
+}

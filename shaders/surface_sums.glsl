@@ -1,0 +1,24 @@
+// Weighted sums over the discs at a pixel, in fixed point: integer sums do not depend on their
+// order, so the same frame gives the same bits.
+layout(std430, binding = 4) buffer pixel_normals { ivec4 normal_sums[]; };   // camera space; w: weight
+layout(std430, binding = 5) buffer pixel_albedos { uvec4 albedo_sums[]; };   // w: NDF length
+layout(std430, binding = 6) buffer pixel_behinds { int behind_sums[]; };     // m behind the nearest
+
+const float kFixedOne = 65536.0;
+const float kLeastWeight = 1.0 / 256.0;
+
+void add_to_surface(uint pixel, float weight, vec3 normal, vec3 albedo, float ndf_length,
+                    float behind) {
+    float w = max(weight, kLeastWeight) * kFixedOne;
+    ivec4 n = ivec4(round(vec4(normal, 1.0) * w));
+    uvec4 a = uvec4(vec4(albedo, ndf_length) * w + 0.5);
+    atomicAdd(normal_sums[pixel].x, n.x);
+    atomicAdd(normal_sums[pixel].y, n.y);
+    atomicAdd(normal_sums[pixel].z, n.z);
+    atomicAdd(normal_sums[pixel].w, n.w);
+    atomicAdd(albedo_sums[pixel].x, a.x);
+    atomicAdd(albedo_sums[pixel].y, a.y);
+    atomicAdd(albedo_sums[pixel].z, a.z);
+    atomicAdd(albedo_sums[pixel].w, a.w);
+    atomicAdd(behind_sums[pixel], int(round(behind * w)));
+}

@@ -1,0 +1,124 @@
+#include "viewer/frame/gbuffer.h"
+
+#include <limits>
+#include <vector>
+
+#include "shaders/frame_layout.h"
+
+namespace glowworm {
+namespace {
+
+/// Bindings of the splatting passes' storage buffers.
+enum : GLuint { kPage, kChunks, kBatches, kDepths, kNormalSums, kAlbedoSums, kBehindSums };
+
+gpu::vec4 vec4_of(const Vec3d& v, double w) {
+    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z),
+            static_cast<float>(w)};
+}
+
+gpu::ViewBlock view_block_of(const View& view, const Vec3d& origin) {
+    gpu::ViewBlock block{};
+    block.position = vec4_of(view.position - origin, view.focal);
+    block.right = vec4_of(view.right, view.orthographic ? 1.0 : 0.0);
+    block.down = vec4_of(view.down, view.centre_x);
+    block.forward = vec4_of(view.forward, view.centre_y);
+    block.width = static_cast<std::uint32_t>(view.width);
+    block.height = static_cast<std::uint32_t>(view.height);
+    return block;
+}
+
+/// What one page draws: a range of the batches.
+struct PageDraw {
+    std::size_t page;
+    std::uint32_t first_batch, batch_count;
+};
+
+struct DrawList {
+    std::vector<gpu::DrawnChunk> chunks;
+    std::vector<gpu::SplatBatch> batches;
+    std::vector<PageDraw> pages;
+};
+
+DrawList draw_list_of(const OctreeView& octree, const SurfelPages& cloud,
+                      std::span<const ChunkSelection> selection) {
+    DrawList list;
+    for (std::size_t page = 0; page < cloud.pages().size(); ++page) {
+        const auto first_batch = static_cast<std::uint32_t>(list.batches.size());
+        for (const ChunkSelection& selected : selection) {
+            const SurfelPages::Place place = cloud.place_of(selected.chunk);
+            if (place.page != page) continue;
+            const Chunk& chunk = octree.chunks[selected.chunk];
+            const auto index = static_cast<std::uint32_t>(list.chunks.size());
+            list.chunks.push_back(
+                {{chunk.box_min[0], chunk.box_min[1], chunk.box_min[2], chunk.box_edge},
+                 place.first,
+                 selected.count,
+                 selected.scale,
+                 0});
+            for (std::uint32_t first = 0; first < selected.count; first += SPLAT_GROUP) {
+                list.batches.push_back({index, first});
+            }
+        }
+        const auto end = static_cast<std::uint32_t>(list.batches.size());
+        if (end > first_batch) list.pages.push_back({page, first_batch, end - first_batch});
+    }
+    return list;
+}
+
+template <typename T>
+void write_growing(Buffer& buffer, const char* label, const std::vector<T>& values) {
+    const std::size_t bytes = values.size() * sizeof(T);
+    if (buffer.bytes() < bytes) buffer = Buffer(label, bytes + bytes / 2);
+    buffer.write(values);
+}
+
+}  // namespace
+
+GBuffer::GBuffer() : view_block_("view", sizeof(gpu::ViewBlock)) {}
+
+void GBuffer::resize(int width, int height) {
+    if (surface_.width() == width && surface_.height() == height) return;
+    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    const float infinity = std::numeric_limits<float>::infinity();
+    depths_ = Buffer("pixel depths", pixels * sizeof(std::uint32_t));
+    depths_.write(std::vector<float>(pixels, infinity));
+    normal_sums_ = Buffer("normal sums", pixels * 4 * sizeof(std::int32_t));
+    albedo_sums_ = Buffer("albedo sums", pixels * 4 * sizeof(std::uint32_t));
+    behind_sums_ = Buffer("behind sums", pixels * sizeof(std::int32_t));
+    surface_ = Texture("surface", GL_RGBA32F, width, height);
+    albedo_ = Texture("albedo", GL_RGBA32F, width, height);
+}
+
+void GBuffer::draw(const OctreeView& octree, const SurfelPages& cloud,
+                   std::span<const ChunkSelection> selection, const View& view) {
+    resize(view.width, view.height);
+    const gpu::ViewBlock block = view_block_of(view, octree.grid.origin);
+    view_block_.write(std::span(&block, 1));
+    const DrawList list = draw_list_of(octree, cloud, selection);
+    write_growing(chunks_, "drawn chunks", list.chunks);
+    write_growing(batches_, "splat batches", list.batches);
+
+    view_block_.bind_uniform(0);
+    chunks_.bind_storage(kChunks);
+    batches_.bind_storage(kBatches);
+    depths_.bind_storage(kDepths);
+    normal_sums_.bind_storage(kNormalSums);
+    albedo_sums_.bind_storage(kAlbedoSums);
+    behind_sums_.bind_storage(kBehindSums);
+    for (const Program* pass : {&depth_, &blend_}) {
+        pass->use();
+        for (const PageDraw& draw : list.pages) {
+            cloud.pages()[draw.page].bind_storage(kPage);
+            set_uniform(*pass, 0, draw.batch_count);
+            set_uniform(*pass, 1, draw.first_batch);
+            pass->dispatch(std::size_t{draw.batch_count} * SPLAT_GROUP, SPLAT_GROUP);
+        }
+    }
+    resolve_.use();
+    surface_.bind_image(0, GL_WRITE_ONLY);
+    albedo_.bind_image(1, GL_WRITE_ONLY);
+    resolve_.dispatch(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height),
+                      128);
+}
+
+}  // namespace glowworm

@@ -1,0 +1,95 @@
+#include "viewer/frame/selection.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace glowworm {
+namespace {
+
+/// Half-space n·p + d >= 0.
+struct Plane {
+    Vec3d normal;
+    double offset;
+};
+
+/// The five planes that bound what a view shows: the sides, facing inward, and the eye's.
+std::array<Plane, 5> frustum_of(const View& view) {
+    const double left = -view.centre_x / view.focal;
+    const double right = (view.width - view.centre_x) / view.focal;
+    const double top = -view.centre_y / view.focal;
+    const double bottom = (view.height - view.centre_y) / view.focal;
+    const auto side = [&](const Vec3d& axis, double edge, double sign) {
+        // Perspective: x >= edge · depth. Orthographic: x >= edge.
+        const Vec3d normal =
+            view.orthographic ? axis * sign : normalized((axis - view.forward * edge) * sign);
+        const double shift = view.orthographic ? -sign * edge : 0.0;
+        return Plane{normal, shift - dot(normal, view.position)};
+    };
+    return {side(view.right, left, 1), side(view.right, right, -1), side(view.down, top, 1),
+            side(view.down, bottom, -1), Plane{view.forward, -dot(view.forward, view.position)}};
+}
+
+/// The surfels' own extent reaches past the box they are quantised in by their drawn radius.
+bool may_be_seen(const std::array<Plane, 5>& frustum, const Vec3d& centre, double half_edge) {
+    for (const Plane& plane : frustum) {
+        const Vec3d& n = plane.normal;
+        const double reach = half_edge * (std::abs(n.x) + std::abs(n.y) + std::abs(n.z));
+        if (dot(n, centre) + plane.offset + reach < 0) return false;
+    }
+    return true;
+}
+
+double distance_to_box(const Vec3d& point, const Vec3d& centre, double half_edge) {
+    Vec3d outside;
+    for (int axis = 0; axis < 3; ++axis) {
+        outside[axis] = std::max(std::abs(point[axis] - centre[axis]) - half_edge, 0.0);
+    }
+    return length(outside);
+}
+
+}  // namespace
+
+std::vector<ChunkSelection> select_chunks(std::span<const Chunk> chunks, const Vec3d& origin,
+                                          const View& view, const SelectionSettings& settings) {
+    struct Seen {
+        ChunkSelection selection;
+        double distance;
+    };
+    const std::array<Plane, 5> frustum = frustum_of(view);
+    std::vector<Seen> seen;
+    for (std::uint32_t i = 0; i < chunks.size(); ++i) {
+        const Chunk& chunk = chunks[i];
+        if (chunk.count == 0) continue;
+        const double half_edge = chunk.box_edge / 2.0;
+        const Vec3d centre = origin + Vec3d{chunk.box_min[0], chunk.box_min[1], chunk.box_min[2]} +
+                             Vec3d{half_edge, half_edge, half_edge};
+        if (!may_be_seen(frustum, centre, half_edge + settings.splat_scale * chunk.max_radius)) {
+            continue;
+        }
+
+        // A prefix of n surfels lies spacing · sqrt(count / n) apart.
+        const double distance = distance_to_box(view.position, centre, half_edge);
+        const double metre = view.orthographic ? view.focal
+                             : distance > 0    ? view.focal / distance
+                                               : std::numeric_limits<double>::infinity();
+        const double spacing = chunk.spacing * metre / settings.quality;
+        const double share = spacing > 0 ? std::min(spacing * spacing, 1.0) : 1.0;
+        const std::uint32_t count =
+            std::clamp(static_cast<std::uint32_t>(std::ceil(share * chunk.count)), 1u, chunk.count);
+        const float thinned =
+            std::sqrt(static_cast<float>(chunk.count) / static_cast<float>(count));
+        seen.push_back({{i, count, settings.splat_scale * thinned}, distance});
+    }
+    std::stable_sort(seen.begin(), seen.end(),
+                     [](const Seen& a, const Seen& b) { return a.distance < b.distance; });
+
+    std::vector<ChunkSelection> selections;
+    selections.reserve(seen.size());
+    for (const Seen& s : seen)
+        selections.push_back(s.selection);
+    return selections;
+}
+
+}  // namespace glowworm
