@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "octree/progress.h"
+#include "preprocess/poses.h"
+#include "preprocess/scan.h"
+
+namespace glowworm {
+
+/// What to do with poses that are given (by the files or by a poses.json).
+enum class PriorMode {
+    kTrust,   ///< keep them; the report says how well they fit
+    kRefine,  ///< start from them
+    kIgnore,  ///< register from nothing
+};
+
+struct RegistrationSettings {
+    PriorMode mode = PriorMode::kRefine;
+    std::optional<Poses> prior;   ///< a poses.json; goes before the poses in the files
+    bool upright = false;         ///< scanners are levelled: only yaw and position are sought
+    double voxel_size = 0.0;      ///< m, of the coarse surface samples; 0: from the scans' extent
+    std::uint32_t max_scans = 1000;            ///< more is refused with a sentence
+    std::uint32_t candidates_per_scan = 8;     ///< partners tried per scan where there are many
+    std::vector<std::pair<std::size_t, std::size_t>> pairs;  ///< known pairs; empty: sought
+};
+
+struct Registration {
+    Poses poses;
+    double voxel_size = 0;           ///< m, used
+    std::size_t pairs_tried = 0;
+    std::size_t unregistered = 0;
+    std::size_t weak = 0;            ///< scans with a weak axis
+
+    /// Every scan is placed and held in every direction: else the command ends with exit code 5.
+    bool trustworthy() const { return unregistered == 0 && weak == 0; }
+};
+
+/// Finds the pose of every scan. The world frame is that of the scans' given poses, else the
+/// frame of the reference scan, so that a levelled scanner's Z stays up. Scans that cannot be
+/// placed stay kUnregistered. One scan alone is its own reference. Same input, same result on any
+/// number of threads. Throws Error kDegenerate where there is no scan or one has no points, kUsage
+/// for settings out of range.
+Registration align_scans(std::span<const Scan> scans, const RegistrationSettings& settings,
+                         const Progress& progress = {});
+
+/// The trust report as a table for people: a line per scan, a line per accepted pair.
+std::string trust_table(const Registration& registration);
+
+}  // namespace glowworm
