@@ -3,7 +3,19 @@
 #pragma once
 #include "shaders/gpu_layout.h"
 namespace glowworm::gpu {
+#else
+#include "gpu_layout.h"
 #endif
+
+// Bindings: storage buffers from BINDING_FRAME_FIRST on, the uniform block after the light's.
+#define BINDING_SURFELS (BINDING_FRAME_FIRST + 0)
+#define BINDING_DRAWN_CHUNKS (BINDING_FRAME_FIRST + 1)
+#define BINDING_SPLAT_BATCHES (BINDING_FRAME_FIRST + 2)
+#define BINDING_DEPTHS (BINDING_FRAME_FIRST + 3)
+#define BINDING_NORMAL_SUMS (BINDING_FRAME_FIRST + 4)
+#define BINDING_ALBEDO_SUMS (BINDING_FRAME_FIRST + 5)
+#define BINDING_BEHIND_SUMS (BINDING_FRAME_FIRST + 6)
+#define BINDING_VIEW 1
 
 // The camera of viewer/frame/view.h, in the octree's frame.
 struct ViewBlock {

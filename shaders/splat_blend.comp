@@ -7,7 +7,7 @@
 #include "splat_input.glsl"
 #include "surface_sums.glsl"
 
-layout(std430, binding = 3) readonly buffer pixel_depths { uint depths[]; };
+layout(std430, binding = BINDING_DEPTHS) readonly buffer pixel_depths { uint depths[]; };
 
 // Discs within one radius behind the nearest one belong to the same surface and are averaged.
 void main() {

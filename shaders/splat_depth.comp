@@ -7,7 +7,7 @@
 #include "splat_input.glsl"
 
 // The nearest disc at each pixel: the bits of a positive float keep its order.
-layout(std430, binding = 3) buffer pixel_depths { uint depths[]; };
+layout(std430, binding = BINDING_DEPTHS) buffer pixel_depths { uint depths[]; };
 
 void main() {
     PackedSurfel surfel;

@@ -1,8 +1,8 @@
 // What the splatting passes read: the drawn chunks of one page and the batches over them.
 layout(local_size_x = SPLAT_GROUP) in;
-layout(std430, binding = 0) readonly buffer surfel_page { PackedSurfel surfels[]; };
-layout(std430, binding = 1) readonly buffer drawn_chunks { DrawnChunk chunks[]; };
-layout(std430, binding = 2) readonly buffer splat_batches { SplatBatch batches[]; };
+layout(std430, binding = BINDING_SURFELS) readonly buffer surfel_page { PackedSurfel surfels[]; };
+layout(std430, binding = BINDING_DRAWN_CHUNKS) readonly buffer drawn_chunks { DrawnChunk chunks[]; };
+layout(std430, binding = BINDING_SPLAT_BATCHES) readonly buffer splat_batches { SplatBatch batches[]; };
 layout(location = 0) uniform uint batch_count;
 layout(location = 1) uniform uint first_batch;
 

@@ -6,7 +6,7 @@
 
 // The sums become a surface per pixel, and the buffers are left clean for the next frame.
 layout(local_size_x = 128) in;
-layout(std430, binding = 3) buffer pixel_depths { uint depths[]; };
+layout(std430, binding = BINDING_DEPTHS) buffer pixel_depths { uint depths[]; };
 layout(binding = 0, rgba32f) uniform writeonly image2D surface_image;   // normal; w: depth, 0: none
 layout(binding = 1, rgba32f) uniform writeonly image2D albedo_image;    // albedo; w: NDF length
 

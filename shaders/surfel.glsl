@@ -10,7 +10,7 @@ struct PackedSurfel {
 vec3 surfel_position(PackedSurfel surfel, vec4 box) {
     vec3 q = vec3(surfel.position_xy & 0xffffu, surfel.position_xy >> 16,
                   surfel.position_z_radius & 0xffffu);
-    return box.xyz + q * (box.w / 65535.0);
+    return box.xyz + (q + 0.5) * (box.w / 65536.0);
 }
 
 float surfel_radius(PackedSurfel surfel) {

@@ -1,5 +1,5 @@
 // The camera. Camera space: x right, y down in pixels, z forward in m along the view axis.
-layout(std140, binding = 0) uniform view_block { ViewBlock view; };
+layout(std140, binding = BINDING_VIEW) uniform view_block { ViewBlock view; };
 
 bool view_is_orthographic() { return view.right.w > 0.5; }
 

@@ -8,9 +8,6 @@
 namespace glowworm {
 namespace {
 
-/// Bindings of the splatting passes' storage buffers.
-enum : GLuint { kPage, kChunks, kBatches, kDepths, kNormalSums, kAlbedoSums, kBehindSums };
-
 gpu::vec4 vec4_of(const Vec3d& v, double w) {
     return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z),
             static_cast<float>(w)};
@@ -98,17 +95,17 @@ void GBuffer::draw(const OctreeView& octree, const SurfelPages& cloud,
     write_growing(chunks_, "drawn chunks", list.chunks);
     write_growing(batches_, "splat batches", list.batches);
 
-    view_block_.bind_uniform(0);
-    chunks_.bind_storage(kChunks);
-    batches_.bind_storage(kBatches);
-    depths_.bind_storage(kDepths);
-    normal_sums_.bind_storage(kNormalSums);
-    albedo_sums_.bind_storage(kAlbedoSums);
-    behind_sums_.bind_storage(kBehindSums);
+    view_block_.bind_uniform(BINDING_VIEW);
+    chunks_.bind_storage(BINDING_DRAWN_CHUNKS);
+    batches_.bind_storage(BINDING_SPLAT_BATCHES);
+    depths_.bind_storage(BINDING_DEPTHS);
+    normal_sums_.bind_storage(BINDING_NORMAL_SUMS);
+    albedo_sums_.bind_storage(BINDING_ALBEDO_SUMS);
+    behind_sums_.bind_storage(BINDING_BEHIND_SUMS);
     for (const Program* pass : {&depth_, &blend_}) {
         pass->use();
         for (const PageDraw& draw : list.pages) {
-            cloud.pages()[draw.page].bind_storage(kPage);
+            cloud.pages()[draw.page].bind_storage(BINDING_SURFELS);
             set_uniform(*pass, 0, draw.batch_count);
             set_uniform(*pass, 1, draw.first_batch);
             pass->dispatch(std::size_t{draw.batch_count} * SPLAT_GROUP, SPLAT_GROUP);

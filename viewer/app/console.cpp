@@ -1,0 +1,132 @@
+#include "viewer/app/console.h"
+
+#include <fmt/format.h>
+#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+
+#include "octree/error.h"
+
+namespace glowworm {
+namespace {
+
+volatile std::sig_atomic_t cancel_requested = 0;
+
+constexpr auto kShortestInterval = std::chrono::milliseconds(100);
+constexpr int kBarWidth = 24;
+
+}  // namespace
+
+void install_cancel_handlers() {
+    struct sigaction action = {};
+    action.sa_handler = [](int) { cancel_requested = 1; };
+    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    ::sigaction(SIGINT, &action, nullptr);
+    ::sigaction(SIGTERM, &action, nullptr);
+}
+
+Console::Mode Console::mode_of(const std::string& name) {
+    if (name == "bar") return Mode::kBar;
+    if (name == "json") return Mode::kJson;
+    if (name == "none") return Mode::kNone;
+    return ::isatty(STDERR_FILENO) != 0 ? Mode::kBar : Mode::kNone;
+}
+
+Console::~Console() {
+    if (!phase_.empty() && mode_ == Mode::kBar) fmt::print(stderr, "\n");
+}
+
+Progress Console::phase(const std::string& name, const std::string& unit) {
+    end_phase();
+    phase_ = name;
+    unit_ = unit;
+    total_ = 0;
+    started_ = std::chrono::steady_clock::now();
+    show(0, 0, false);
+    return [this](std::uint64_t done, std::uint64_t total) {
+        if (cancel_requested != 0) {
+            throw Error(ExitCode::kCancelled, "cancelled; nothing was written");
+        }
+        total_ = total;
+        if (std::chrono::steady_clock::now() - last_shown_ >= kShortestInterval) {
+            show(done, total, false);
+        }
+    };
+}
+
+void Console::end_phase() {
+    if (phase_.empty()) return;
+    show(total_, total_, true);
+    phase_.clear();
+}
+
+void Console::show(std::uint64_t done, std::uint64_t total, bool ended) {
+    last_shown_ = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(last_shown_ - started_).count();
+    if (!ended && total > 0) done = std::min(done, total - 1);
+
+    if (mode_ == Mode::kJson) {
+        // Phases and units are our own plain words: nothing to escape.
+        fmt::print(stderr,
+                   R"({{"phase":"{}","done":{},"total":{},"unit":"{}","seconds":{:.3f}}})"
+                   "\n",
+                   phase_, done, total, unit_, seconds);
+    } else if (mode_ == Mode::kBar) {
+        const double part = ended ? 1.0 : total > 0 ? double(done) / double(total) : 0.0;
+        const int filled = static_cast<int>(part * kBarWidth);
+        fmt::print(stderr, "\r\033[K{:<12} [{:<{}}] {:3.0f} % {:6.1f} s", phase_,
+                   std::string(static_cast<std::size_t>(filled), '='), kBarWidth, part * 100.0,
+                   seconds);
+        if (total > 0) fmt::print(stderr, "  {} {}", ended ? total : done, unit_);
+        if (ended) fmt::print(stderr, "\n");
+    }
+    std::fflush(stderr);
+}
+
+void require_writable_output(const std::filesystem::path& path, bool force) {
+    std::error_code ignored;
+    const std::string name = path.string();
+    if (std::filesystem::is_directory(path, ignored)) {
+        throw Error(ExitCode::kUsage,
+                    fmt::format("the output '{}' is a folder; name a file", name));
+    }
+    if (!force && std::filesystem::exists(path, ignored)) {
+        throw Error(ExitCode::kExists,
+                    fmt::format("the output '{}' exists; --force overwrites it", name));
+    }
+    const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+    if (!std::filesystem::is_directory(folder, ignored)) {
+        throw Error(
+            ExitCode::kUnreadable,
+            fmt::format("the output's folder '{}' does not exist; make it first", folder.string()));
+    }
+    if (::access(folder.c_str(), W_OK) != 0) {
+        throw Error(ExitCode::kUnreadable,
+                    fmt::format("the output's folder '{}' may not be written", folder.string()));
+    }
+}
+
+void set_up_logging(bool quiet, bool verbose, const std::filesystem::path& file) {
+    std::vector<spdlog::sink_ptr> sinks{std::make_shared<spdlog::sinks::stderr_color_sink_st>()};
+    if (!file.empty()) {
+        try {
+            sinks.push_back(std::make_shared<spdlog::sinks::basic_file_sink_st>(file.string()));
+        } catch (const spdlog::spdlog_ex&) {
+            throw Error(ExitCode::kUnreadable,
+                        fmt::format("cannot write the log file '{}'", file.string()));
+        }
+    }
+    auto logger = std::make_shared<spdlog::logger>("glowworm-view", sinks.begin(), sinks.end());
+    logger->set_pattern("%^%l%$: %v");
+    logger->set_level(quiet     ? spdlog::level::err
+                      : verbose ? spdlog::level::debug
+                                : spdlog::level::info);
+    spdlog::set_default_logger(std::move(logger));
+}
+
+}  // namespace glowworm

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+
+#include "octree/progress.h"
+
+namespace glowworm {
+
+/// What the viewer says while it works: phases on stderr, as a bar on a terminal or as one JSON
+/// object a line.
+class Console {
+  public:
+    enum class Mode { kBar, kJson, kNone };
+
+    /// `name` is auto, bar, json or none; auto is a bar where stderr is a terminal.
+    static Mode mode_of(const std::string& name);
+
+    explicit Console(Mode mode) : mode_(mode) {}
+    ~Console();
+
+    /// Begins a phase and ends the one before it. The progress it returns throws Error (kCancelled)
+    /// once the user has asked to stop.
+    Progress phase(const std::string& name, const std::string& unit);
+    /// Ends the phase that runs; only now it shows 100 %.
+    void end_phase();
+
+  private:
+    void show(std::uint64_t done, std::uint64_t total, bool ended);
+
+    Mode mode_;
+    std::string phase_, unit_;
+    std::uint64_t total_ = 0;
+    std::chrono::steady_clock::time_point started_, last_shown_;
+};
+
+/// SIGINT and SIGTERM ask to stop: the next progress report throws. A second one ends the program.
+void install_cancel_handlers();
+
+/// Throws Error (kExists) where `path` is there and `force` was not given, (kUnreadable) where its
+/// folder is missing or may not be written: before the work.
+void require_writable_output(const std::filesystem::path& path, bool force);
+
+/// Logs to stderr and, where it is not empty, to `file`. Throws Error (kUnreadable) where that
+/// cannot be written.
+void set_up_logging(bool quiet, bool verbose, const std::filesystem::path& file);
+
+}  // namespace glowworm

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "octree/scene.h"
+
+namespace glowworm {
+
+/// What moves a fly camera in one step: each from -1 to 1.
+struct FlyInput {
+    double ahead = 0.0;  ///< along the line of sight
+    double aside = 0.0;  ///< to the right
+    double rise = 0.0;   ///< along the world's up
+};
+
+/// A camera that is flown: it looks where the mouse turns it, its roll is locked, and its speed
+/// stays what the wheel last made it.
+class FlyCamera {
+  public:
+    FlyCamera() = default;
+    /// Starts where `camera` stands, looking where it looks.
+    explicit FlyCamera(const Camera& camera);
+
+    void move(const FlyInput& input, double seconds);
+    /// Turns by angles in radians: to the right and up. The line of sight stops short of vertical.
+    void turn(double right, double up);
+    /// One notch of the wheel is a factor of 1.25.
+    void change_speed(double notches);
+
+    double speed() const { return speed_; }  ///< m/s
+    Vec3d forward() const;
+    /// The camera at this moment, for a picture of `width` x `height` pixels.
+    Camera camera(int width, int height) const;
+
+  private:
+    Vec3d position_;
+    double azimuth_ = 0.0;    ///< rad, from +X toward +Y
+    double elevation_ = 0.0;  ///< rad
+    double speed_ = 1.5;      ///< m/s: a walk
+    double vfov_deg_ = 65.0;
+};
+
+}  // namespace glowworm
