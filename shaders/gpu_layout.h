@@ -1,6 +1,9 @@
-// What C++ and GLSL both read. Only 4-byte scalars and vec4: std430 and C++ then agree on offsets.
+#ifndef GPU_LAYOUT_H
+#define GPU_LAYOUT_H
+// What C++ and GLSL both read. Only 4-byte scalars and vec4: std430, std140 and C++ then agree on
+// every offset (tests/viewer/light_layout_test.cpp holds them to it). Nodes and lobes lie as in the
+// file: octree/node_layout.h says what their fields mean.
 #ifdef __cplusplus
-#pragma once
 #include <cstdint>
 namespace glowworm::gpu {
 using uint = std::uint32_t;
@@ -9,7 +12,44 @@ struct vec4 {
 };
 #endif
 
-// One light. Kinds that do not use a field leave it zero.
+// Bindings of storage buffers: the light's are below 12, the frame's start there.
+#define BINDING_NODES 0
+#define BINDING_LOBES 1
+#define BINDING_DIRECT 2     // vec4 per lobe: irradiance straight from lights, W/m2
+#define BINDING_INDIRECT 3   // vec4 per lobe: irradiance reflected at least once, W/m2
+#define BINDING_RADIANCE 4   // vec4 per lobe: outgoing radiance, W/sr/m2
+#define BINDING_LIGHTS 5
+#define BINDING_LINKS 6
+#define BINDING_CONES 7
+#define BINDING_SCRATCH_A 8
+#define BINDING_SCRATCH_B 9
+#define BINDING_SCRATCH_C 10
+#define BINDING_FRAME_FIRST 12
+// Binding of the uniform block of LightGrid; the frame's start at 1.
+#define BINDING_LIGHT_GRID 0
+
+#define NO_HIT 0xffffffffu
+
+// The octree's grid and how rays meet it.
+struct LightGrid {
+    float cube_min_x;     // m, relative to the octree's origin
+    float cube_min_y;
+    float cube_min_z;
+    float voxel_size;     // m
+    uint depth;           // level of the leaves
+    uint lobe_count;
+    uint light_count;
+    uint flags;           // LIGHT_FLAG_*
+    float patch_margin;   // sample spacings
+    float reach;          // leaf edges
+    float cube_edge;      // m
+    uint links_per_lobe;
+};
+
+#define LIGHT_FLAG_TRICUBIC 1u
+#define LIGHT_FLAG_FAITHFUL 2u
+
+// One light. Fields that a kind does not use are zero.
 #define LIGHT_POINT 0u
 #define LIGHT_SPOT 1u
 #define LIGHT_AREA 2u
@@ -21,11 +61,12 @@ struct Light {
     vec4 edge_u;      // xyz: area: first corner to second, m; w: a spot's blend
     vec4 edge_v;      // xyz: area: first corner to fourth, m
     uint kind;        // LIGHT_*
-    uint tag;         // area: what the octree's lobes carry in `light`, 0 where it has none there
+    uint tag;         // area: what its lobes carry in `light`, 0 where the octree has none
     uint unused_0;
     uint unused_1;
 };
 
 #ifdef __cplusplus
 }  // namespace glowworm::gpu
+#endif
 #endif

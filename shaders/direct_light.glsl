@@ -1,0 +1,68 @@
+#ifndef DIRECT_LIGHT_GLSL
+#define DIRECT_LIGHT_GLSL
+// Irradiance straight from the lights at a surface point, W/m2, with exact shadows.
+#include "trace.glsl"
+
+#ifndef AREA_SAMPLES
+#define AREA_SAMPLES 6   // per side of an area light's rectangle
+#endif
+
+layout(std430, binding = BINDING_LIGHTS) readonly buffer Lights { Light lights[]; };
+
+// Blender's spot: I cos(theta) smoothstep over the outer part of the cone. 1 on the axis.
+float spot_falloff(float cosine, float cosine_edge, float blend) {
+    float t = (cosine - cosine_edge) / max((1.0 - cosine_edge) * blend, 1e-6);
+    t = clamp(t, 0.0, 1.0);
+    return max(cosine, 0.0) * t * t * (3.0 - 2.0 * t);
+}
+
+vec3 irradiance_from_lamp(Light light, vec3 position, vec3 normal, float offset) {
+    vec3 to_lamp = light.position.xyz - position;
+    float squared = dot(to_lamp, to_lamp);
+    vec3 direction = to_lamp * inversesqrt(max(squared, 1e-12));
+    float cosine = dot(normal, direction);
+    if (cosine <= 0.0) return vec3(0.0);
+    float shape = light.kind == LIGHT_SPOT
+                      ? spot_falloff(-dot(direction, light.axis.xyz), light.axis.w, light.edge_u.w)
+                      : 1.0;
+    if (shape <= 0.0) return vec3(0.0);
+    if (!visible_from(position, normal, offset, light.position.xyz, 0u, vec3(0.0))) {
+        return vec3(0.0);
+    }
+    return light.intensity.rgb * (shape * cosine / max(squared, 1e-12));
+}
+
+vec3 irradiance_from_area(Light light, vec3 position, vec3 normal, float offset) {
+    float area = length(cross(light.edge_u.xyz, light.edge_v.xyz));
+    float sum = 0.0;
+    for (int v = 0; v < AREA_SAMPLES; ++v) {
+        for (int u = 0; u < AREA_SAMPLES; ++u) {
+            vec2 at = (vec2(u, v) + 0.5) / float(AREA_SAMPLES);
+            vec3 point = light.position.xyz + at.x * light.edge_u.xyz + at.y * light.edge_v.xyz;
+            vec3 to_lamp = point - position;
+            float squared = max(dot(to_lamp, to_lamp), 1e-12);
+            float cosines = dot(normal, to_lamp) * -dot(light.axis.xyz, to_lamp) / squared;
+            if (dot(normal, to_lamp) <= 0.0 || cosines <= 0.0) continue;
+            if (visible_from(position, normal, offset, point, light.tag, light.axis.xyz)) {
+                sum += cosines / squared;
+            }
+        }
+    }
+    return light.intensity.rgb * (sum * area / float(AREA_SAMPLES * AREA_SAMPLES));
+}
+
+// `offset`: how far shadow rays start off the surface, m.
+vec3 direct_irradiance(vec3 position, vec3 normal, float offset) {
+    vec3 sum = vec3(0.0);
+    for (uint i = 0u; i < grid.light_count; ++i) {
+        sum += lights[i].kind == LIGHT_AREA
+                   ? irradiance_from_area(lights[i], position, normal, offset)
+                   : irradiance_from_lamp(lights[i], position, normal, offset);
+    }
+    return sum;
+}
+
+vec3 direct_irradiance(vec3 position, vec3 normal) {
+    return direct_irradiance(position, normal, kLeastOffset * grid.voxel_size);
+}
+#endif

@@ -1,0 +1,58 @@
+#ifndef OCTREE_GLSL
+#define OCTREE_GLSL
+// The octree as it lies in the file, bound for reading.
+#include "gpu_layout.h"
+
+struct Node {
+    uint mask;
+    uint first;
+};
+
+struct Lobe {
+    float position[3];
+    float area;
+    float ndf[3];
+    float plane_sigma;
+    float albedo[3];
+    uint light;
+    uint patch_min;
+    uint patch_max;
+    uint emission;
+    float spacing;
+};
+
+layout(std430, binding = BINDING_NODES) readonly buffer Nodes { Node nodes[]; };
+layout(std430, binding = BINDING_LOBES) readonly buffer Lobes { Lobe lobes[]; };
+layout(std140, binding = BINDING_LIGHT_GRID) uniform LightGridBlock { LightGrid grid; };
+
+vec3 cube_min() { return vec3(grid.cube_min_x, grid.cube_min_y, grid.cube_min_z); }
+
+vec3 lobe_position(uint i) {
+    return vec3(lobes[i].position[0], lobes[i].position[1], lobes[i].position[2]);
+}
+
+// The mean normal: its length is the Toksvig length.
+vec3 lobe_ndf(uint i) { return vec3(lobes[i].ndf[0], lobes[i].ndf[1], lobes[i].ndf[2]); }
+
+vec3 lobe_normal(uint i) {
+    vec3 n = lobe_ndf(i);
+    float l = length(n);
+    return l > 0.0 ? n / l : vec3(0.0, 0.0, 1.0);
+}
+
+vec3 lobe_albedo(uint i) {
+    return vec3(lobes[i].albedo[0], lobes[i].albedo[1], lobes[i].albedo[2]);
+}
+
+vec3 unpack_bytes(uint packed) {
+    return vec3(packed & 255u, (packed >> 8) & 255u, (packed >> 16) & 255u);
+}
+
+// EXT_texture_shared_exponent, red in the low bits.
+vec3 unpack_rgb9e5(uint packed) {
+    vec3 mantissa = vec3(packed & 511u, (packed >> 9) & 511u, (packed >> 18) & 511u);
+    return mantissa * exp2(float(packed >> 27) - 24.0);
+}
+
+uint lobes_of_leaf(uint mask) { return (mask >> 8) & 3u; }
+#endif

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "viewer/gpu/objects.h"
+#include "viewer/gpu/program.h"
+
+namespace glowworm {
+
+/// Anderson acceleration of the bounces x <- T(x) over 3 earlier iterates (Walker and Ni 2011), on
+/// luminance with one set of weights for all channels. It falls back to the plain bounce, which
+/// always converges, when the residual grows or the least squares is not finite.
+class Anderson {
+  public:
+    explicit Anderson(std::size_t lobes);
+
+    /// What a bounce changes, before it is taken.
+    struct Change {
+        double norm = 0.0;      ///< |T(x) - x| / |x|
+        double relative = 0.0;  ///< mean over lobes of |T(x) - x| / T(x)
+    };
+
+    /// One step: reads x at BINDING_INDIRECT and T(x) at BINDING_SCRATCH_B, writes the next x.
+    Change step();
+    void forget();  ///< clears the history: what T is has changed
+
+  private:
+    std::size_t lobes_;
+    Program sums_, mix_;
+    Buffer partial_sums_, residuals_, past_;
+    std::array<std::uint32_t, 4> slots_{0, 1, 2, 3};  // newest first
+    std::uint32_t history_ = 0;
+    double last_residual_ = 0.0;
+};
+
+/// Weights that make |r - sum g_j d_j| least: `products` are <d_i, d_j> as 00 01 02 11 12 22, then
+/// <d_j, r>. All zero where there is no finite solution.
+std::array<float, 3> anderson_weights(const std::array<double, 9>& products, std::size_t history);
+
+}  // namespace glowworm

@@ -1,0 +1,144 @@
+#include "viewer/light/light_field.h"
+
+#include <algorithm>
+
+namespace glowworm {
+
+namespace {
+
+constexpr std::size_t kGroup = 64;
+constexpr std::size_t kLobesAtOnce = 1 << 16;  // a dispatch stays short enough for a display's GPU
+constexpr int kLeastBounces = 2;
+
+std::size_t field_bytes(const OctreeView& octree) {
+    return octree.lobes.size() * sizeof(gpu::vec4);
+}
+
+Vec3f to_vec3(const gpu::vec4& v) {
+    return {v.x, v.y, v.z};
+}
+
+}  // namespace
+
+LightField::LightField(const Context& context, const OctreeView& octree, const Scene& scene,
+                       const LightSettings& settings)
+    : context_(context),
+      octree_(octree),
+      settings_(settings),
+      gpu_octree_(upload(context, octree, settings)),
+      grid_("light grid", sizeof(gpu::LightGrid)),
+      direct_("direct irradiance", field_bytes(octree)),
+      indirect_("indirect irradiance", field_bytes(octree)),
+      radiance_("outgoing radiance", field_bytes(octree)),
+      gathered_("gathered irradiance", field_bytes(octree)),
+      inject_({"inject.comp"}),
+      radiate_({"radiate.comp"}),
+      probe_({"probe.comp"}) {
+    set_scene(scene);
+}
+
+void LightField::set_scene(const Scene& scene) {
+    const auto lights = lights_for_gpu(scene, octree_, settings_.faithful);
+    lights_ = Buffer::of("lights", std::span(lights));
+    const auto emitted = emitted_radiance(scene, octree_, settings_.faithful);
+    emitted_ = Buffer::of("emitted radiance", std::span(emitted));
+    gpu_octree_.grid.light_count = static_cast<std::uint32_t>(lights.size());
+    grid_.write(std::span<const gpu::LightGrid>(&gpu_octree_.grid, 1));
+    inject();
+}
+
+void LightField::inject() {
+    bind();
+    const std::size_t lobes = octree_.lobes.size();
+    for (std::size_t first = 0; first < lobes; first += kLobesAtOnce) {
+        const std::size_t last = std::min(lobes, first + kLobesAtOnce);
+        set_uniform(inject_, 0, static_cast<std::uint32_t>(first));
+        set_uniform(inject_, 1, static_cast<std::uint32_t>(last));
+        inject_.dispatch(last - first, kGroup);
+    }
+}
+
+void LightField::bind() const {
+    grid_.bind_uniform(BINDING_LIGHT_GRID);
+    gpu_octree_.nodes.bind_storage(BINDING_NODES);
+    gpu_octree_.lobes.bind_storage(BINDING_LOBES);
+    direct_.bind_storage(BINDING_DIRECT);
+    indirect_.bind_storage(BINDING_INDIRECT);
+    radiance_.bind_storage(BINDING_RADIANCE);
+    lights_.bind_storage(BINDING_LIGHTS);
+}
+
+void LightField::prepare(const Progress& progress) {
+    if (!links_.empty() || octree_.lobes.empty()) return;
+    bind();
+    links_ = GpuLinks(context_, octree_, settings_, progress);
+}
+
+void LightField::forget_indirect() {
+    indirect_.clear();
+}
+
+void LightField::gather() {
+    bind();
+    emitted_.bind_storage(BINDING_SCRATCH_A);
+    radiate_.dispatch(octree_.lobes.size(), kGroup);
+    gathered_.bind_storage(BINDING_SCRATCH_B);
+    links_.gather();
+}
+
+void LightField::iterate(int bounces) {
+    if (bounces <= 0 || octree_.lobes.empty()) return;
+    prepare();
+    for (int i = 0; i < bounces; ++i) {
+        gather();
+        std::swap(indirect_, gathered_);
+    }
+    bind();
+}
+
+Convergence LightField::converge(double tolerance, int max_bounces) {
+    Convergence result;
+    if (octree_.lobes.empty()) return {.settled = true};
+    prepare();
+    Anderson anderson(octree_.lobes.size());
+    while (result.bounces < max_bounces && !result.settled) {
+        gather();
+        result.residual = anderson.step().relative;
+        ++result.bounces;
+        result.settled = result.bounces >= kLeastBounces && result.residual < tolerance;
+    }
+    return result;
+}
+
+std::vector<ProbeResult> LightField::measure(std::span<const Probe> probes) const {
+    std::vector<gpu::vec4> places;
+    for (const Probe& probe : probes) {
+        const Vec3f at = vec3_cast<float>(probe.position - octree_.grid.origin);
+        places.push_back({at.x, at.y, at.z, 0.0f});
+        places.push_back({probe.normal.x, probe.normal.y, probe.normal.z, 0.0f});
+    }
+    const Buffer places_buffer = Buffer::of("probes", std::span<const gpu::vec4>(places));
+    const Buffer measured("measured", places.size() * sizeof(gpu::vec4));
+    bind();
+    places_buffer.bind_storage(BINDING_SCRATCH_A);
+    measured.bind_storage(BINDING_SCRATCH_B);
+    set_uniform(probe_, 0, static_cast<std::uint32_t>(probes.size()));
+    probe_.dispatch(probes.size(), kGroup);
+
+    const auto values = measured.read<gpu::vec4>(places.size());
+    std::vector<ProbeResult> results(probes.size());
+    for (std::size_t i = 0; i < results.size(); ++i) {
+        results[i] = {to_vec3(values[2 * i]), to_vec3(values[2 * i + 1])};
+    }
+    return results;
+}
+
+std::vector<gpu::vec4> LightField::read_direct() const {
+    return direct_.read<gpu::vec4>(octree_.lobes.size());
+}
+
+std::vector<gpu::vec4> LightField::read_indirect() const {
+    return indirect_.read<gpu::vec4>(octree_.lobes.size());
+}
+
+}  // namespace glowworm

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "octree/octree_file.h"
+#include "octree/progress.h"
+#include "octree/scene.h"
+#include "viewer/gpu/context.h"
+#include "viewer/gpu/objects.h"
+#include "viewer/gpu/program.h"
+#include "viewer/light/anderson.h"
+#include "viewer/light/links.h"
+#include "viewer/light/settings.h"
+#include "viewer/light/upload.h"
+
+namespace glowworm {
+
+/// A surface point to measure light at.
+struct Probe {
+    Vec3d position;  ///< m, world
+    Vec3f normal;    ///< unit
+};
+
+/// Irradiance, W·m⁻².
+struct ProbeResult {
+    Vec3f direct;    ///< straight from a light
+    Vec3f indirect;  ///< reflected at least once
+};
+
+/// How an iteration to the fixed point went.
+struct Convergence {
+    int bounces = 0;
+    double residual = 0.0;  ///< mean relative change of a lobe's irradiance by one more bounce
+    bool settled = false;
+};
+
+/// Light on every lobe of an octree: direct and indirect irradiance and outgoing radiance. The
+/// octree must outlive it, and `context` must be current.
+class LightField {
+  public:
+    /// Uploads, and injects the scene's lights; no light is reflected yet.
+    LightField(const Context& context, const OctreeView& octree, const Scene& scene,
+               const LightSettings& settings = {});
+
+    /// Other lights or radiances: injects them anew. Indirect light stays as it is and is what the
+    /// next bounces start from.
+    void set_scene(const Scene& scene);
+
+    /// Makes ready what bounces need, once: baked links where the file has them, else they are
+    /// traced, on the CPU where OpenGL runs on it too. The first bounce calls it.
+    void prepare(const Progress& progress = {});
+
+    void forget_indirect();  ///< back to direct light only
+    void iterate(int bounces);
+    /// Bounces until the light settles (mean relative change below `tolerance`), with Anderson
+    /// acceleration over 3 earlier iterates, safeguarded (light.md, 3.3).
+    Convergence converge(double tolerance = 1e-4, int max_bounces = 200);
+
+    /// Binds what the includes trace.glsl, direct_light.glsl and light_lookup.glsl read.
+    void bind() const;
+
+    /// The light meter: the same lookup and shadows as a frame's.
+    std::vector<ProbeResult> measure(std::span<const Probe> probes) const;
+
+    std::vector<gpu::vec4> read_direct() const;    ///< [lobes] W·m⁻²
+    std::vector<gpu::vec4> read_indirect() const;  ///< [lobes] W·m⁻²
+    const GpuOctree& octree() const { return gpu_octree_; }
+    const LightSettings& settings() const { return settings_; }
+
+  private:
+    void inject();
+    void gather();  // from the radiance of the current iterate into gathered_
+
+    const Context& context_;
+    OctreeView octree_;
+    LightSettings settings_;
+    GpuOctree gpu_octree_;
+    Buffer grid_;  // LightGrid
+    Buffer lights_;
+    Buffer emitted_, direct_, indirect_, radiance_, gathered_;  // [lobes] vec4
+    Program inject_, radiate_, probe_;
+    GpuLinks links_;
+};
+
+}  // namespace glowworm

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <vector>
+
+#include "octree/octree_file.h"
+#include "octree/scene.h"
+#include "shaders/gpu_layout.h"
+#include "viewer/gpu/context.h"
+#include "viewer/gpu/objects.h"
+#include "viewer/light/settings.h"
+
+namespace glowworm {
+
+/// The octree's part that light needs, in GPU memory as it lies in the file.
+struct GpuOctree {
+    Buffer nodes;  ///< Node
+    Buffer lobes;  ///< Lobe
+    gpu::LightGrid grid{};
+};
+
+/// Throws Error (kBudget) where a section is larger than one binding of `context` may show.
+GpuOctree upload(const Context& context, const OctreeView& octree, const LightSettings& settings);
+
+/// The scene's lights relative to the octree's origin. An area light's tag is that of the octree's
+/// area light with its name, else of one at the same place. Left out under `faithful`, where area
+/// lights are nothing but emitting lobes.
+std::vector<gpu::Light> lights_for_gpu(const Scene& scene, const OctreeView& octree, bool faithful);
+
+/// [lobes] radiance that each lobe sends into the gather, W·sr⁻¹·m⁻²: what emits and is not one of
+/// the scene's area lights, which are sampled instead; under `faithful` those as well, as bright as
+/// the scene says.
+std::vector<gpu::vec4> emitted_radiance(const Scene& scene, const OctreeView& octree,
+                                        bool faithful);
+
+}  // namespace glowworm
