@@ -1,0 +1,104 @@
+#include "preprocess/read/append_block.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace glowworm {
+namespace {
+
+/// Calls `visit` with each column of `block` that is there.
+template <typename Visit>
+void for_each_column(PointBlock& block, Visit visit) {
+    const auto visit_if_there = [&](auto& column) {
+        if (!column.empty()) visit(column);
+    };
+    visit_if_there(block.positions);
+    visit_if_there(block.normals);
+    visit_if_there(block.colours);
+    visit_if_there(block.intensities);
+    visit_if_there(block.ndf_lengths);
+    visit_if_there(block.radii);
+    visit_if_there(block.stations);
+    visit_if_there(block.emissions);
+    visit_if_there(block.times);
+}
+
+/// Keeps the points for which `keep(position)` holds, in order; returns how many were dropped.
+template <typename Keep>
+std::uint64_t keep_points(PointBlock& block, Keep keep) {
+    if (std::ranges::all_of(block.positions, keep)) return 0;
+    std::vector<std::uint32_t> kept;
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        if (keep(block.positions[i])) kept.push_back(static_cast<std::uint32_t>(i));
+    }
+    const std::size_t before = block.size();
+    for_each_column(block, [&](auto& column) {
+        for (std::size_t i = 0; i < kept.size(); ++i)
+            column[i] = column[kept[i]];
+        column.resize(kept.size());
+    });
+    return before - kept.size();
+}
+
+}  // namespace
+
+std::uint64_t drop_not_finite(PointBlock& block) {
+    return keep_points(block, [](const Vec3d& p) { return is_finite(p); });
+}
+
+std::uint64_t drop_at_origin(PointBlock& block, std::uint64_t keep) {
+    const auto at_origin = [](const Vec3d& p) { return p == Vec3d{}; };
+    if (std::ranges::none_of(block.positions, at_origin)) return 0;
+    return keep_points(block, [&, keep](const Vec3d& p) mutable {
+        return !at_origin(p) || (keep > 0 && keep-- > 0);
+    });
+}
+
+Vec3d choose_offset(const PointBlock& block) {
+    constexpr double kFarthest = 1000.0;  // m
+    if (block.size() == 0) return {};
+    Vec3d low = block.positions[0], high = low;
+    for (const Vec3d& p : block.positions) {
+        low = component_min(low, p);
+        high = component_max(high, p);
+    }
+    Vec3d offset;
+    bool far = false;
+    for (int axis = 0; axis < 3; ++axis) {
+        far |= std::max(std::abs(low[axis]), std::abs(high[axis])) > kFarthest;
+        offset[axis] = std::round(0.5 * low[axis] + 0.5 * high[axis]);
+    }
+    return far ? offset : Vec3d{};
+}
+
+void append_block(const PointBlock& block, const Vec3d& offset, Points& points) {
+    points.positions.reserve(points.positions.size() + block.size());
+    for (const Vec3d& p : block.positions)
+        points.positions.push_back(vec3_cast<float>(p - offset));
+    const auto append = [](const auto& from, auto& to) {
+        to.insert(to.end(), from.begin(), from.end());
+    };
+    append(block.normals, points.normals);
+    append(block.colours, points.colours);
+    append(block.intensities, points.intensities);
+    append(block.ndf_lengths, points.ndf_lengths);
+    append(block.radii, points.radii);
+    append(block.stations, points.stations);
+    append(block.emissions, points.emissions);
+    append(block.times, points.times);
+}
+
+void reserve_points(std::uint64_t count, const ColumnSet& columns, Points& points) {
+    const auto n = static_cast<std::size_t>(count);
+    points.positions.reserve(n);
+    if (columns.normals) points.normals.reserve(n);
+    if (columns.colours) points.colours.reserve(n);
+    if (columns.intensities) points.intensities.reserve(n);
+    if (columns.ndf_lengths) points.ndf_lengths.reserve(n);
+    if (columns.radii) points.radii.reserve(n);
+    if (columns.stations) points.stations.reserve(n);
+    if (columns.emissions) points.emissions.reserve(n);
+    if (columns.times) points.times.reserve(n);
+}
+
+}  // namespace glowworm

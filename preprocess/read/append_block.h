@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+
+#include "preprocess/points.h"
+#include "preprocess/read/scan_file.h"
+
+namespace glowworm {
+
+/// Drops the points of `block` whose coordinates are not finite; returns how many.
+std::uint64_t drop_not_finite(PointBlock& block);
+
+/// Drops the points of `block` exactly at the origin of the frame but for the first `keep` of them;
+/// returns how many.
+std::uint64_t drop_at_origin(PointBlock& block, std::uint64_t keep);
+
+/// The whole metres to take out of positions so that float holds them: zero where no coordinate of
+/// `block` exceeds 1 km (float's step is 0.06 mm there), else the middle of the block's bounds.
+Vec3d choose_offset(const PointBlock& block);
+
+/// Appends `block` to `points`, whose positions are relative to `offset`.
+void append_block(const PointBlock& block, const Vec3d& offset, Points& points);
+
+/// Makes room for `count` points with `columns`.
+void reserve_points(std::uint64_t count, const ColumnSet& columns, Points& points);
+
+}  // namespace glowworm

@@ -1,0 +1,67 @@
+#include "preprocess/read/registry.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "octree/error.h"
+#include "preprocess/read/closed_formats.h"
+#include "preprocess/read/pcd.h"
+#include "preprocess/read/ply.h"
+
+namespace glowworm {
+namespace {
+
+constexpr ScanFormat kFormats[] = {
+    {"PLY", is_ply, open_ply},
+    {"PCD", is_pcd, open_pcd},
+};
+
+std::vector<std::byte> head_of(const InputFile& file) {
+    std::vector<std::byte> head(kHeadBytes);
+    head.resize(file.read_some(0, head.data(), head.size()));
+    return head;
+}
+
+std::string format_names() {
+    std::string names;
+    for (const ScanFormat& format : kFormats) {
+        if (!names.empty()) names += ", ";
+        names += format.name;
+    }
+    return names;
+}
+
+}  // namespace
+
+std::span<const ScanFormat> scan_formats() {
+    return kFormats;
+}
+
+const ScanFormat* recognise_format(std::span<const std::byte> head) {
+    for (const ScanFormat& format : kFormats) {
+        if (format.recognises(head)) return &format;
+    }
+    return nullptr;
+}
+
+const ScanFormat* recognise_format(const std::filesystem::path& path) {
+    try {
+        return recognise_format(head_of(InputFile(path)));
+    } catch (const Error&) {
+        return nullptr;
+    }
+}
+
+std::unique_ptr<ScanFile> open_scan_file(const std::filesystem::path& path,
+                                         const ReadSettings& settings) {
+    InputFile file(path);
+    if (const ScanFormat* format = recognise_format(head_of(file))) {
+        return format->open(std::move(file), settings);
+    }
+    if (const ClosedFormat* closed = closed_format_of(path)) file.fail(how_to_export(*closed));
+    file.fail("it is of no kind Glowworm knows (" + format_names() +
+              "); export the scan as E57, LAS, PLY or PCD");
+}
+
+}  // namespace glowworm

@@ -1,0 +1,62 @@
+#include "preprocess/write/records.h"
+
+#include <bit>
+#include <cstring>
+#include <initializer_list>
+
+namespace glowworm {
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "records are written as they lie in memory");
+
+/// Calls `visit(column, names, type)` with each column that is there, in the order of the record.
+template <typename Visit>
+void for_each_column(const Points& points, Visit visit) {
+    using Names = std::initializer_list<std::string_view>;
+    const auto visit_if_there = [&](const auto& column, Names names, std::string_view type) {
+        if (!column.empty()) visit(column, names, type);
+    };
+    visit(points.positions, Names{"x", "y", "z"}, "float");
+    visit_if_there(points.normals, {"nx", "ny", "nz"}, "float");
+    visit_if_there(points.colours, {"red", "green", "blue"}, "uchar");
+    visit_if_there(points.intensities, {"intensity"}, "float");
+    visit_if_there(points.ndf_lengths, {"ndf"}, "float");
+    visit_if_there(points.radii, {"radius"}, "float");
+    visit_if_there(points.stations, {"station"}, "uint");
+    visit_if_there(points.emissions, {"emission_r", "emission_g", "emission_b"}, "float");
+    visit_if_there(points.times, {"time"}, "double");
+}
+
+template <typename Column>
+constexpr std::size_t kElementBytes = sizeof(typename std::remove_cvref_t<Column>::value_type);
+
+}  // namespace
+
+std::vector<WrittenField> written_fields(const Points& points) {
+    std::vector<WrittenField> fields;
+    for_each_column(points, [&](const auto& column, auto names, std::string_view type) {
+        for (const std::string_view name : names) {
+            fields.push_back({name, type, kElementBytes<decltype(column)> / names.size()});
+        }
+    });
+    return fields;
+}
+
+std::vector<std::byte> write_records(const Points& points, std::size_t begin, std::size_t end) {
+    std::size_t stride = 0;
+    for (const WrittenField& field : written_fields(points))
+        stride += field.bytes;
+    std::vector<std::byte> records((end - begin) * stride);
+    std::size_t offset = 0;
+    for_each_column(points, [&](const auto& column, auto, std::string_view) {
+        constexpr std::size_t kBytes = kElementBytes<decltype(column)>;
+        std::byte* to = records.data() + offset;
+        for (std::size_t i = begin; i < end; ++i, to += stride)
+            std::memcpy(to, &column[i], kBytes);
+        offset += kBytes;
+    });
+    return records;
+}
+
+}  // namespace glowworm
