@@ -1,0 +1,175 @@
+#include "preprocess/surface/surface.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "octree/error.h"
+#include "preprocess/surface/albedo.h"
+#include "preprocess/surface/ndf.h"
+#include "preprocess/surface/normals.h"
+#include "preprocess/surface/orientation.h"
+#include "preprocess/surface/point_tree.h"
+#include "preprocess/surface/range_noise.h"
+
+namespace glowworm {
+namespace {
+
+/// Neighbours that orientation and NDF look at again; the planes may be fitted to more.
+constexpr int kTableNeighbours = 12;
+
+/// An expected angle error above this is a guess more than a normal, rad.
+constexpr float kWeak = 0.2f;
+
+SurfacePoints arrange(const PointCloud& cloud) {
+    SurfacePoints points;
+    points.tree = make_point_tree(cloud.points.positions);
+    for (const Station& station : cloud.stations) {
+        points.viewpoints.push_back(vec3_cast<float>(station.position - cloud.origin));
+        points.has_viewpoint.push_back(station.has_viewpoint && is_finite(station.position));
+    }
+    if (cloud.points.stations.empty()) {
+        // Points that do not say where they were seen from can only come from a single station.
+        if (cloud.stations.size() > 1) points.has_viewpoint.assign(cloud.stations.size(), false);
+        return points;
+    }
+    points.stations.reserve(points.size());
+    for (const std::uint32_t i : points.tree.order) {
+        points.stations.push_back(cloud.points.stations[i]);
+    }
+    return points;
+}
+
+/// Median of the distance over which a surfel stands, from a sample of them, m.
+float median_spacing(const std::vector<LocalPlane>& planes) {
+    std::vector<float> areas;
+    const std::size_t every = std::max<std::size_t>(planes.size() / 65536, 1);
+    for (std::size_t i = 0; i < planes.size(); i += every) {
+        if (planes[i].area > 0.0f) areas.push_back(planes[i].area);
+    }
+    if (areas.empty()) return 0.0f;
+    const auto middle = areas.begin() + static_cast<std::ptrdiff_t>(areas.size() / 2);
+    std::nth_element(areas.begin(), middle, areas.end());
+    return std::sqrt(*middle);
+}
+
+[[noreturn]] void throw_degenerate(std::size_t points) {
+    throw Error(ExitCode::kDegenerate,
+                "None of the " + std::to_string(points) +
+                    " points has enough neighbours around it for a normal: the cloud is empty, a "
+                    "line, or too sparse for the search radius; check the input or give a larger "
+                    "search radius.");
+}
+
+/// Surfels in the order of the cloud's points, those without a plane left out.
+void write_surfels(const PointCloud& cloud, const SurfacePoints& points,
+                   const std::vector<LocalPlane>& planes, const std::vector<float>& ndf_lengths,
+                   const std::vector<Rgb8>& albedo, std::vector<Surfel>& surfels) {
+    constexpr std::uint32_t kNone = kNoNeighbour;
+    std::vector<std::uint32_t> place(cloud.points.size(), kNone);
+    for (std::size_t t = 0; t < points.size(); ++t) {
+        if (planes[t].area > 0.0f) place[points.tree.order[t]] = static_cast<std::uint32_t>(t);
+    }
+    surfels.reserve(points.size());
+    for (std::size_t i = 0; i < place.size(); ++i) {
+        if (place[i] == kNone) continue;
+        const LocalPlane& plane = planes[place[i]];
+        Surfel surfel;
+        surfel.position = cloud.points.positions[i];
+        surfel.normal = normalized(plane.normal);
+        surfel.radius = std::sqrt(plane.area / std::numbers::pi_v<float>);
+        surfel.ndf_length = ndf_lengths[place[i]];
+        surfel.albedo = to_linear(albedo[i]);
+        if (!cloud.points.emissions.empty()) surfel.emission = cloud.points.emissions[i];
+        surfel.station = points.station(place[i]);
+        surfels.push_back(surfel);
+    }
+}
+
+}  // namespace
+
+std::string describe(Orientation orientation) {
+    switch (orientation) {
+        case Orientation::kStations:
+            return "stations";
+        case Orientation::kPropagation:
+            return "propagation";
+        case Orientation::kMixed:
+            return "stations, propagation where there is none";
+    }
+    return {};
+}
+
+std::string describe(AlbedoSource source) {
+    switch (source) {
+        case AlbedoSource::kColours:
+            return "colours";
+        case AlbedoSource::kIntensities:
+            return "intensities as grey";
+        case AlbedoSource::kDefault:
+            return "the default";
+    }
+    return {};
+}
+
+SurfelCloud make_surfels(const PointCloud& cloud, const SurfaceSettings& settings,
+                         SurfaceReport* report_out, const Progress& progress) {
+    SurfaceReport report;
+    report.points = cloud.points.size();
+
+    const SurfacePoints points = arrange(cloud);
+    report.not_finite = points.tree.not_finite;
+    report.duplicates = points.tree.duplicates;
+    if (points.size() < 4) throw_degenerate(report.points);
+
+    const CloudScale scale = measure_scale(points.tree, settings.k);
+    NormalSettings fit;
+    fit.k = std::clamp(settings.k, 6, 64);
+    fit.max_k = std::clamp(settings.max_k, fit.k, 256);
+    fit.radius = settings.search_radius > 0.0f ? settings.search_radius : 4.0f * scale.reach;
+    fit.range_noise = settings.range_noise >= 0.0f ? settings.range_noise : scale.range_noise;
+    fit.slope_error = settings.slope_error;
+
+    NeighbourTable table{std::min(kTableNeighbours, fit.k - 1), {}};
+    std::vector<LocalPlane> planes = fit_local_planes(points, fit, table, progress);
+    for (const LocalPlane& plane : planes) {
+        report.isolated += !(plane.area > 0.0f);
+        report.grown += plane.area > 0.0f && plane.points > fit.k;
+        report.weak += plane.area > 0.0f && plane.error_per_noise * fit.range_noise > kWeak;
+    }
+    if (report.isolated == planes.size()) throw_degenerate(report.points);
+
+    if (settings.sharp_edges) report.edges = sharpen_edges(points, fit, table, planes);
+
+    const float spacing = median_spacing(planes);
+    const OrientationReport sides = orient_normals(points, table, spacing, planes);
+    report.unsure_side = sides.unsure;
+    report.orientation = sides.propagated == 0        ? Orientation::kStations
+                         : sides.toward_stations == 0 ? Orientation::kPropagation
+                                                      : Orientation::kMixed;
+
+    const std::vector<float> ndf_lengths =
+        estimate_ndf_lengths(points, table, planes, fit.range_noise);
+    table.rows = {};
+
+    SurfelCloud surfels{cloud.origin, {}, cloud.stations, cloud.area_lights};
+    const std::vector<Rgb8> albedo =
+        albedo_bytes(cloud.points, settings.default_albedo, report.albedo);
+    write_surfels(cloud, points, planes, ndf_lengths, albedo, surfels.surfels);
+
+    report.surfels = surfels.surfels.size();
+    report.range_noise = fit.range_noise;
+    report.search_radius = fit.radius;
+    report.median_spacing = spacing;
+    double sum = 0.0;
+    for (const Surfel& surfel : surfels.surfels)
+        sum += surfel.ndf_length;
+    report.mean_ndf_length = sum / static_cast<double>(report.surfels);
+    if (report_out) *report_out = report;
+    return surfels;
+}
+
+}  // namespace glowworm

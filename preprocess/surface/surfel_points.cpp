@@ -1,0 +1,131 @@
+#include "preprocess/surface/surfel_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "octree/error.h"
+#include "preprocess/surface/albedo.h"
+#include "preprocess/surface/neighbours.h"
+#include "preprocess/surface/normals.h"
+#include "preprocess/surface/plane_fit.h"
+
+namespace glowworm {
+namespace {
+
+/// Points of the ellipse that a missing radius is taken from.
+constexpr int kSpacingPoints = 16;
+
+/// Radii ([n] m, in the order of the positions) of discs with the area that each point stands for.
+/// Points on a line or alone get the distance to their nearest neighbour, or 0.
+std::vector<float> spacing_radii(std::span<const Vec3f> positions) {
+    const PointTree tree = make_point_tree(positions);
+    std::vector<float> radii(positions.size(), 0.0f);
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, tree.leaves.size(), 64), [&](const auto& range) {
+            NearestSearch search(tree);
+            std::vector<std::uint32_t> queries;
+            for (std::size_t l = range.begin(); l < range.end(); ++l) {
+                const PointTree::Node& leaf = tree.nodes[tree.leaves[l]];
+                queries.resize(leaf.count);
+                std::iota(queries.begin(), queries.end(), leaf.first);
+                search.search(queries, kSpacingPoints - 1, kFarthest);
+                for (std::size_t q = 0; q < queries.size(); ++q) {
+                    const Vec3f origin = tree.position(queries[q]);
+                    Moments moments;
+                    moments.add({});
+                    for (const std::uint32_t j : search.found(q)) {
+                        moments.add(vec3_cast<double>(tree.position(j) - origin));
+                    }
+                    const PlaneFit fit = fit_plane(moments);
+                    float& radius = radii[tree.order[queries[q]]];
+                    if (fit.is_planar()) {
+                        radius =
+                            static_cast<float>(std::sqrt(area_per_point(fit) / std::numbers::pi));
+                    } else if (!search.found(q).empty()) {
+                        radius = length(tree.position(search.found(q)[0]) - origin);
+                    }
+                }
+            }
+        });
+    return radii;
+}
+
+}  // namespace
+
+PointCloud to_points(const SurfelCloud& cloud) {
+    PointCloud result{cloud.origin, {}, cloud.stations, cloud.area_lights};
+    const std::vector<Surfel>& surfels = cloud.surfels;
+    const std::size_t n = surfels.size();
+    Points& points = result.points;
+    points.positions.reserve(n);
+    points.normals.reserve(n);
+    points.colours.reserve(n);
+    points.ndf_lengths.reserve(n);
+    points.radii.reserve(n);
+    points.stations.reserve(n);
+    const bool emits = std::ranges::any_of(
+        surfels, [](const Surfel& surfel) { return surfel.emission != Vec3f{}; });
+    if (emits) points.emissions.reserve(n);
+    for (const Surfel& surfel : surfels) {
+        points.positions.push_back(surfel.position);
+        points.normals.push_back(surfel.normal);
+        points.colours.push_back(to_srgb(surfel.albedo));
+        points.ndf_lengths.push_back(surfel.ndf_length);
+        points.radii.push_back(surfel.radius);
+        points.stations.push_back(surfel.station);
+        if (emits) points.emissions.push_back(surfel.emission);
+    }
+    return result;
+}
+
+SurfelCloud to_surfels(const PointCloud& cloud, float default_albedo, SurfelDefaults* defaults) {
+    const Points& points = cloud.points;
+    if (points.normals.empty()) {
+        throw Error(ExitCode::kDegenerate,
+                    "The cloud has no normals, which an octree of light needs; run `glowworm "
+                    "surface` on it first, or `glowworm convert`, which does it on the way.");
+    }
+    SurfelDefaults missing{points.ndf_lengths.empty(), points.radii.empty(),
+                           points.colours.empty()};
+    const std::vector<float> radii =
+        missing.radius_missing ? spacing_radii(points.positions) : points.radii;
+    AlbedoSource source = AlbedoSource::kDefault;
+    const std::vector<Rgb8> albedo = albedo_bytes(points, default_albedo, source);
+
+    SurfelCloud result{cloud.origin, {}, cloud.stations, cloud.area_lights};
+    result.surfels.reserve(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Vec3f& normal = points.normals[i];
+        const float l = length(normal);
+        if (!is_finite(points.positions[i]) || !std::isfinite(l) || !(l > 0.0f)) continue;
+        Surfel surfel;
+        surfel.position = points.positions[i];
+        // A unit normal is kept to the bit, so that surfels survive the way through a file.
+        surfel.normal = std::abs(l - 1.0f) < 1e-6f ? normal : normal / l;
+        surfel.radius = std::isfinite(radii[i]) ? std::max(radii[i], 0.0f) : 0.0f;
+        if (!missing.ndf_missing && points.ndf_lengths[i] > 0.0f) {
+            surfel.ndf_length = std::min(points.ndf_lengths[i], 1.0f);
+        }
+        surfel.albedo = to_linear(albedo[i]);
+        if (!points.emissions.empty() && is_finite(points.emissions[i])) {
+            surfel.emission = component_max(points.emissions[i], Vec3f{});
+        }
+        if (!points.stations.empty()) surfel.station = points.stations[i];
+        result.surfels.push_back(surfel);
+    }
+    if (result.surfels.empty()) {
+        throw Error(ExitCode::kDegenerate,
+                    "None of the " + std::to_string(points.size()) +
+                        " points has a finite position and a normal; check the cloud, or run "
+                        "`glowworm surface` on it again.");
+    }
+    if (defaults) *defaults = missing;
+    return result;
+}
+
+}  // namespace glowworm
