@@ -18,7 +18,7 @@ class AtomicFile {
     AtomicFile(AtomicFile&&) noexcept;
     AtomicFile& operator=(AtomicFile&&) = delete;
 
-    void write(const void* data, std::size_t bytes);   ///< appends
+    void write(const void* data, std::size_t bytes);  ///< appends
     void write(std::string_view text) { write(text.data(), text.size()); }
     void write_at(std::uint64_t offset, const void* data, std::size_t bytes);
     std::uint64_t position() const { return position_; }

@@ -10,12 +10,12 @@ enum class ExitCode : int {
     kDone = 0,
     kInternal = 1,
     kUsage = 2,
-    kUnreadable = 3,       ///< input unreadable or of an unsupported kind
-    kDegenerate = 4,       ///< input valid but empty or degenerate
-    kNotTrustworthy = 5,   ///< registration not trustworthy (the report is still written)
-    kBudget = 6,           ///< memory or disk budget exceeded
-    kExists = 7,           ///< output exists and --force was not given
-    kCancelled = 8,        ///< cancelled, --resume continues
+    kUnreadable = 3,      ///< input unreadable or of an unsupported kind
+    kDegenerate = 4,      ///< input valid but empty or degenerate
+    kNotTrustworthy = 5,  ///< registration not trustworthy (the report is still written)
+    kBudget = 6,          ///< memory or disk budget exceeded
+    kExists = 7,          ///< output exists and --force was not given
+    kCancelled = 8,       ///< cancelled, --resume continues
     kCheckFailed = 9,
 };
 

@@ -16,10 +16,10 @@ namespace glowworm {
 /// nothing; valid as long as what it points into.
 struct OctreeView {
     Grid grid;
-    Vec3f bounds_min, bounds_max;          ///< m, relative to grid.origin
+    Vec3f bounds_min, bounds_max;  ///< m, relative to grid.origin
     std::uint64_t sample_count = 0;
     std::uint64_t dropped_count = 0;
-    std::span<const Level> levels;         ///< [depth + 1]
+    std::span<const Level> levels;  ///< [depth + 1]
     std::span<const Node> nodes;
     std::span<const NodeAttributes> attributes;
     std::span<const Lobe> lobes;
@@ -37,7 +37,8 @@ struct OctreeView {
 class OctreeFile {
   public:
     /// Maps `path` after checking its header and the bounds of every section, in time linear in the
-    /// number of sections. Throws Error (kUnreadable) for anything that is not a whole, current .svo.
+    /// number of sections. Throws Error (kUnreadable) for anything that is not a whole, current
+    /// .svo.
     static OctreeFile open(const std::filesystem::path& path);
 
     const OctreeView& view() const { return view_; }

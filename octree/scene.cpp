@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 /// One object of the file with the words to name it by when something in it is wrong.
 struct Entry {
     const Json& json;
-    std::string what;   ///< "light 2 ('red') of 'scene.json'"
+    std::string what;  ///< "light 2 ('red') of 'scene.json'"
 
     [[noreturn]] void fail(const std::string& key, const std::string& wanted) const {
         throw Error(ExitCode::kUnreadable, what + ": '" + key + "' " + wanted);
@@ -65,7 +65,8 @@ AreaLight read_area_light(const Entry& light) {
     AreaLight area{light.text("name"), {}, light.channels("radiance")};
     const Json& corners = light.required("corners");
     if (!corners.is_array() || corners.size() != 4) light.fail("corners", "must be four points");
-    for (std::size_t i = 0; i < 4; ++i) area.corners[i] = light.vector(corners[i], "corners");
+    for (std::size_t i = 0; i < 4; ++i)
+        area.corners[i] = light.vector(corners[i], "corners");
     return area;
 }
 
@@ -82,7 +83,8 @@ void read_light(const Entry& light, Scene& scene) {
         spot.cone_deg = light.number("cone_deg");
         spot.blend = light.number("blend");
         spot.radiant_intensity = light.channels("radiant_intensity");
-        if (!(spot.cone_deg > 0 && spot.cone_deg <= 180)) light.fail("cone_deg", "must be in (0, 180]");
+        if (!(spot.cone_deg > 0 && spot.cone_deg <= 180))
+            light.fail("cone_deg", "must be in (0, 180]");
         if (!(spot.blend >= 0 && spot.blend <= 1)) light.fail("blend", "must be in [0, 1]");
         scene.spot_lights.push_back(spot);
     } else if (type == "area") {
@@ -100,7 +102,8 @@ Camera read_camera(const Entry& entry) {
     camera.up = entry.direction("up");
     camera.vfov_deg = entry.number("vfov_deg");
     const double width = entry.number("width"), height = entry.number("height");
-    if (!(camera.vfov_deg > 0 && camera.vfov_deg < 180)) entry.fail("vfov_deg", "must be in (0, 180)");
+    if (!(camera.vfov_deg > 0 && camera.vfov_deg < 180))
+        entry.fail("vfov_deg", "must be in (0, 180)");
     if (!(width >= 1 && width <= 16384)) entry.fail("width", "must be in 1..16384");
     if (!(height >= 1 && height <= 16384)) entry.fail("height", "must be in 1..16384");
     if (!(length(camera.look_at - camera.position) > 0)) entry.fail("look_at", "is the position");
@@ -134,11 +137,13 @@ void for_each_entry(const Json& root, const char* key, const char* word, const s
 
 Scene read_scene(const std::filesystem::path& path) {
     std::ifstream stream(path);
-    if (!stream) throw Error(ExitCode::kUnreadable, "cannot read the scene '" + path.string() + "'");
+    if (!stream)
+        throw Error(ExitCode::kUnreadable, "cannot read the scene '" + path.string() + "'");
     const Json root = Json::parse(stream, nullptr, false);
     if (root.is_discarded() || !root.is_object()) {
-        throw Error(ExitCode::kUnreadable,
-                    "'" + path.string() + "' is not a scene: a JSON object with lights and cameras");
+        throw Error(
+            ExitCode::kUnreadable,
+            "'" + path.string() + "' is not a scene: a JSON object with lights and cameras");
     }
 
     Scene scene;

@@ -13,24 +13,24 @@ namespace glowworm {
 /// the viewer lights the cave with all of them.
 struct PointLight {
     std::string name;
-    Vec3d position;             ///< m, world
-    Vec3f radiant_intensity;    ///< W·sr⁻¹
+    Vec3d position;           ///< m, world
+    Vec3f radiant_intensity;  ///< W·sr⁻¹
 };
 
 /// Toward an angle θ from its axis it sends radiant_intensity · cosθ · smoothstep(t),
 /// t = (cosθ − cos(cone/2)) / ((1 − cos(cone/2)) · blend): Blender's spot.
 struct SpotLight {
     std::string name;
-    Vec3d position;             ///< m, world
-    Vec3d direction;            ///< unit, world
-    double cone_deg = 45.0;     ///< full angle
-    double blend = 0.15;        ///< 0..1: the outer part of the cone that fades
-    Vec3f radiant_intensity;    ///< W·sr⁻¹, on the axis
+    Vec3d position;           ///< m, world
+    Vec3d direction;          ///< unit, world
+    double cone_deg = 45.0;   ///< full angle
+    double blend = 0.15;      ///< 0..1: the outer part of the cone that fades
+    Vec3f radiant_intensity;  ///< W·sr⁻¹, on the axis
 };
 
 struct Camera {
     std::string name;
-    Vec3d position, look_at;    ///< m, world
+    Vec3d position, look_at;  ///< m, world
     Vec3d up{0.0, 0.0, 1.0};
     double vfov_deg = 60.0;
     int width = 800, height = 600;
@@ -43,8 +43,9 @@ struct Scene {
     std::vector<Camera> cameras;
 };
 
-/// Reads a scene.json. Unknown keys are ignored; a missing one, a wrong type or a number that is not
-/// finite throws Error (kUnreadable) with a sentence that names the key and the light or camera.
+/// Reads a scene.json. Unknown keys are ignored; a missing one, a wrong type or a number that is
+/// not finite throws Error (kUnreadable) with a sentence that names the key and the light or
+/// camera.
 Scene read_scene(const std::filesystem::path& path);
 
 }  // namespace glowworm

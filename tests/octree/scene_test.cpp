@@ -43,15 +43,17 @@ TEST(Scene, LightsAndCamerasArriveAsWritten) {
 }
 
 TEST(Scene, AMissingKeyIsNamed) {
-    EXPECT_THAT(sentence_of(R"({"lights":[{"type":"point","name":"lamp","position":[1,2,3]}]})"),
-                ::testing::AllOf(::testing::HasSubstr("lamp"), ::testing::HasSubstr("radiant_intensity"),
-                                 ::testing::HasSubstr("missing")));
+    EXPECT_THAT(
+        sentence_of(R"({"lights":[{"type":"point","name":"lamp","position":[1,2,3]}]})"),
+        ::testing::AllOf(::testing::HasSubstr("lamp"), ::testing::HasSubstr("radiant_intensity"),
+                         ::testing::HasSubstr("missing")));
 }
 
 TEST(Scene, NonsenseIsRefusedWithASentence) {
     EXPECT_THAT(sentence_of("not json"), ::testing::HasSubstr("not a scene"));
     EXPECT_THAT(sentence_of(R"({"lights":[3]})"), ::testing::HasSubstr("must be an object"));
-    EXPECT_THAT(sentence_of(R"({"lights":[{"type":"lava","name":"x"}]})"), ::testing::HasSubstr("lava"));
+    EXPECT_THAT(sentence_of(R"({"lights":[{"type":"lava","name":"x"}]})"),
+                ::testing::HasSubstr("lava"));
     EXPECT_THAT(sentence_of(R"({"cameras":[{"name":"c","position":[0,0,0],"look_at":[0,0,0],
         "up":[0,0,1],"vfov_deg":60,"width":4,"height":3}]})"),
                 ::testing::HasSubstr("look_at"));

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "octree/octree.h"
+#include "octree/progress.h"
+#include "octree/surfel.h"
+
+namespace glowworm {
+
+/// Where the leaves go. With neither depth nor voxel size the leaves become the smallest that still
+/// hold `samples_per_face` samples for each voxel face of surface.
+struct BuildSettings {
+    std::optional<std::uint32_t> depth = {};  ///< level of the leaves, 0..21
+    std::optional<double> voxel_size = {};    ///< m, > 0: edge of a leaf
+    double samples_per_face = 3.5;  ///< > 0: light needs 4 to 8, and 3.5 in the median gives that
+    std::uint32_t deepest_automatic = 11;  ///< leaves beyond this only when asked for
+    /// A grid fixed elsewhere, for tiles of one cave; then the fields above are not looked at. What
+    /// lies outside is moved to the cube's side.
+    std::optional<Grid> grid = {};
+    std::string provenance = "{}";  ///< JSON to keep in the file: command, version, inputs
+};
+
+/// What the samples of a cloud say before anything is built.
+struct CloudSummary {
+    Vec3f bounds_min, bounds_max;  ///< m, relative to the cloud's origin
+    std::uint64_t usable = 0;      ///< surfels that will be built from
+    std::uint64_t dropped = 0;     ///< not finite, or without a normal
+    bool needs_repair = false;     ///< a radius is missing or a value out of its range
+    double median_radius = 0.0;    ///< m, of those that have one; 0 where none has
+};
+
+CloudSummary summarize(std::span<const Surfel> surfels);
+
+/// The root cube, 1/32 larger than the bounds and centred on them, and the depth. Throws Error
+/// (kUsage) where depth and voxel size do not fit each other or the bounds.
+Grid fit_grid(const CloudSummary& summary, const Vec3d& origin, const BuildSettings& settings);
+
+/// Builds the octree: sort by Morton code, splat into leaves, filter up, pack the points. The same
+/// cloud gives the same bytes on any number of threads. Surfels that are not finite are dropped and
+/// counted; a radius that is not positive is replaced by one from the samples' spacing. Throws
+/// Error (kDegenerate) for a cloud without a usable surfel, (kUsage) for settings that cannot be
+/// met.
+Octree build_octree(const SurfelCloud& cloud, const BuildSettings& settings = {},
+                    const Progress& progress = {});
+
+}  // namespace glowworm

@@ -1,0 +1,155 @@
+#include "octree/lobe.h"
+
+#include <bit>
+
+#include "octree/pack.h"
+
+namespace glowworm {
+namespace {
+
+constexpr std::size_t kEmitters = 6;
+constexpr double kSameSide = 0.5;  ///< cosine of 60°: nearer normals belong to one lobe
+
+/// 0..5: -x, +x, -y, +y, -z, +z, whichever lies nearest to `normal`.
+std::size_t nearest_axis(const Vec3d& normal) {
+    const double x = std::abs(normal.x), y = std::abs(normal.y), z = std::abs(normal.z);
+    if (x >= y && x >= z) return normal.x > 0.0 ? 1 : 0;
+    if (y >= z) return normal.y > 0.0 ? 3 : 2;
+    return normal.z > 0.0 ? 5 : 4;
+}
+
+double cosine_between(const LobeSums& a, const LobeSums& b) {
+    return dot(normalized(a.ndf), normalized(b.ndf));
+}
+
+std::uint32_t pack_corner(const Vec3d& corner, double (*round)(double)) {
+    const auto axis = [&](double v) {
+        return static_cast<std::uint32_t>(std::clamp(round((v + 0.5) * 255.0), 0.0, 255.0));
+    };
+    return axis(corner.x) | axis(corner.y) << 8 | axis(corner.z) << 16;
+}
+
+/// rms distance from the plane through the mean with the mean normal, in leaf edges: the samples'
+/// covariance along that normal.
+double plane_spread(const LobeSums& sums) {
+    const Vec3d mean = sums.position / sums.area;
+    const Vec3d n = normalized(sums.ndf);
+    const double* m = sums.moments;
+    const double second = n.x * n.x * m[0] + n.y * n.y * m[1] + n.z * n.z * m[2] +
+                          2.0 * (n.x * n.y * m[3] + n.x * n.z * m[4] + n.y * n.z * m[5]);
+    const double offset = dot(n, mean);
+    return std::sqrt(std::max(0.0, second / sums.area - offset * offset));
+}
+
+void store(Vec3d v, float (&out)[3]) {
+    out[0] = static_cast<float>(v.x);
+    out[1] = static_cast<float>(v.y);
+    out[2] = static_cast<float>(v.z);
+}
+
+Lobe lobe_of(const LobeSums& sums, const LeafSums& leaf) {
+    Lobe lobe{};
+    store(leaf.centre + sums.position * (leaf.edge / sums.area), lobe.position);
+    lobe.area = static_cast<float>(sums.area);
+    store(sums.ndf / sums.area, lobe.ndf);
+    lobe.plane_sigma = static_cast<float>(plane_spread(sums) * leaf.edge);
+    store(sums.albedo / sums.area, lobe.albedo);
+    lobe.light = sums.light;
+    lobe.patch_min = pack_corner(sums.lower, std::floor);
+    lobe.patch_max = pack_corner(sums.upper, std::ceil);
+    lobe.emission = pack_rgb9e5(vec3_cast<float>(sums.emission / sums.area));
+    lobe.spacing = static_cast<float>(std::sqrt(sums.area / sums.surfels));
+    return lobe;
+}
+
+}  // namespace
+
+void LobeSums::operator+=(const LobeSums& other) {
+    lower = component_min(lower, other.lower);
+    upper = component_max(upper, other.upper);
+    area += other.area;
+    surfels += other.surfels;
+    position += other.position;
+    ndf += other.ndf;
+    albedo += other.albedo;
+    emission += other.emission;
+    for (int i = 0; i < 6; ++i)
+        moments[i] += other.moments[i];
+    if (light == 0 || (other.light != 0 && other.light < light)) light = other.light;
+}
+
+void LeafSums::begin(const Vec3d& cell_min, double cell_edge) {
+    edge = cell_edge;
+    centre = cell_min + Vec3d{0.5, 0.5, 0.5} * cell_edge;
+    used = 0;
+}
+
+void LeafSums::add(const LobeSample& sample) {
+    add_box(sample, sample.position, sample.position);
+}
+
+void LeafSums::add_box(const LobeSample& sample, const Vec3d& lower, const Vec3d& upper) {
+    const Vec3d p = (sample.position - centre) / edge;
+    const Vec3d n = normalized(sample.ndf);
+    const double a = sample.area;
+    const double spread = sample.plane_sigma / edge;
+    const double s = spread * spread;
+    const LobeSums piece{a,
+                         sample.surfels,
+                         p * a,
+                         sample.ndf * a,
+                         sample.albedo * a,
+                         sample.emission * a,
+                         {a * (p.x * p.x + s * n.x * n.x), a * (p.y * p.y + s * n.y * n.y),
+                          a * (p.z * p.z + s * n.z * n.z), a * (p.x * p.y + s * n.x * n.y),
+                          a * (p.x * p.z + s * n.x * n.z), a * (p.y * p.z + s * n.y * n.z)},
+                         (lower - centre) / edge,
+                         (upper - centre) / edge,
+                         sample.light};
+
+    const std::size_t index = sample.emits() ? kEmitters : nearest_axis(sample.ndf);
+    if (used >> index & 1u) {
+        classes[index] += piece;
+    } else {
+        classes[index] = piece;
+        used |= 1u << index;
+    }
+}
+
+std::size_t LeafSums::finish(std::array<Lobe, kMaxLobes>& lobes) const {
+    std::size_t count = 0;
+
+    const std::uint32_t surface = used & 0x3fu;
+    if (surface != 0) {
+        std::size_t largest = static_cast<std::size_t>(std::countr_zero(surface));
+        for (std::size_t i = largest + 1; i < kEmitters; ++i) {
+            if ((surface >> i & 1u) && classes[i].area > classes[largest].area) largest = i;
+        }
+        LobeSums front = classes[largest];
+        LobeSums back;
+        bool has_back = false;
+        for (std::size_t i = 0; i < kEmitters; ++i) {
+            if (i == largest || !(surface >> i & 1u)) continue;
+            if (cosine_between(classes[i], classes[largest]) > kSameSide) {
+                front += classes[i];
+            } else if (has_back) {
+                back += classes[i];
+            } else {
+                back = classes[i];
+                has_back = true;
+            }
+        }
+        if (has_back && cosine_between(front, back) > kSameSide) {
+            front += back;
+            has_back = false;
+        }
+        if (has_back && back.area > front.area) std::swap(front, back);
+        lobes[count++] = lobe_of(front, *this);
+        if (has_back) lobes[count++] = lobe_of(back, *this);
+    }
+
+    if (used >> kEmitters & 1u) lobes[count++] = lobe_of(classes[kEmitters], *this);
+    return count;
+}
+
+}  // namespace glowworm

@@ -1,0 +1,92 @@
+#include "octree/octree_writer.h"
+
+#include <xxhash.h>
+
+#include <cstring>
+#include <vector>
+
+namespace glowworm {
+
+struct OctreeWriter::Hash {
+    XXH3_state_t* state = XXH3_createState();
+    ~Hash() { XXH3_freeState(state); }
+};
+
+OctreeWriter::OctreeWriter(const std::filesystem::path& path)
+    : file_(path), hash_(std::make_unique<Hash>()) {
+    std::memcpy(header_.magic, kMagic, sizeof kMagic);
+    header_.version = kFormatVersion;
+}
+
+OctreeWriter::~OctreeWriter() = default;
+
+void OctreeWriter::begin_section(SectionKind kind, std::size_t record_bytes) {
+    end_section();
+    position_ = (position_ + kSectionAlignment - 1) / kSectionAlignment * kSectionAlignment;
+    SectionEntry& entry = header_.sections[header_.section_count++];
+    entry.kind = static_cast<std::uint32_t>(kind);
+    entry.record_bytes = static_cast<std::uint32_t>(record_bytes);
+    entry.offset = position_;
+    section_bytes_ = 0;
+    XXH3_64bits_reset(hash_->state);
+}
+
+void OctreeWriter::append(const void* records, std::size_t bytes) {
+    if (bytes == 0) return;
+    XXH3_64bits_update(hash_->state, records, bytes);
+    file_.write_at(position_, records, bytes);
+    position_ += bytes;
+    section_bytes_ += bytes;
+}
+
+void OctreeWriter::end_section() {
+    if (header_.section_count == 0) return;
+    SectionEntry& entry = header_.sections[header_.section_count - 1];
+    entry.count = section_bytes_ / entry.record_bytes;
+    entry.checksum = XXH3_64bits_digest(hash_->state);
+}
+
+void OctreeWriter::finish(const OctreeView& octree) {
+    end_section();
+    header_.depth = octree.grid.depth;
+    header_.file_bytes = position_;
+    for (int axis = 0; axis < 3; ++axis) {
+        header_.origin[axis] = octree.grid.origin[axis];
+        header_.cube_min[axis] = octree.grid.cube_min[axis];
+        header_.bounds_min[axis] = octree.bounds_min[axis];
+        header_.bounds_max[axis] = octree.bounds_max[axis];
+    }
+    header_.cube_edge = octree.grid.cube_edge;
+    header_.sample_count = octree.sample_count;
+    header_.dropped_count = octree.dropped_count;
+    header_.links_per_lobe = octree.links_per_lobe;
+    header_.checksum = XXH3_64bits(&header_, offsetof(FileHeader, checksum));
+
+    // The header's page last: until then nothing under the temporary name decodes.
+    std::vector<char> page(kSectionAlignment, 0);
+    std::memcpy(page.data(), &header_, sizeof header_);
+    file_.write_at(0, page.data(), page.size());
+    file_.commit();
+}
+
+void write_octree_file(const OctreeView& octree, const std::filesystem::path& path) {
+    OctreeWriter writer(path);
+    const auto section = [&](SectionKind kind, const auto& records) {
+        writer.begin_section(kind, sizeof records[0]);
+        writer.append(records.data(), records.size() * sizeof records[0]);
+    };
+    section(SectionKind::kLevels, octree.levels);
+    section(SectionKind::kNodes, octree.nodes);
+    section(SectionKind::kAttributes, octree.attributes);
+    section(SectionKind::kLobes, octree.lobes);
+    section(SectionKind::kChunks, octree.chunks);
+    section(SectionKind::kSurfels, octree.surfels);
+    section(SectionKind::kStations, octree.stations);
+    section(SectionKind::kAreaLights, octree.area_lights);
+    section(SectionKind::kNames, octree.names);
+    section(SectionKind::kProvenance, octree.provenance);
+    if (octree.links_per_lobe > 0) section(SectionKind::kLinks, octree.links);
+    writer.finish(octree);
+}
+
+}  // namespace glowworm

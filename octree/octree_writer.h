@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "octree/atomic_file.h"
+#include "octree/octree_file.h"
+
+namespace glowworm {
+
+/// Writes an .svo section after section, in any amount at a time, so that nobody needs to hold one
+/// whole. Destroyed before `finish`, it leaves no file. Members throw as AtomicFile does.
+class OctreeWriter {
+  public:
+    explicit OctreeWriter(const std::filesystem::path& path);
+    ~OctreeWriter();
+
+    /// Sections begin in the order in which they shall lie in the file.
+    void begin_section(SectionKind kind, std::size_t record_bytes);
+    void append(const void* records, std::size_t bytes);
+    template <typename T>
+    void append(std::span<const T> records) {
+        append(records.data(), records.size_bytes());
+    }
+
+    /// Writes the header from `octree`'s grid, bounds and counts (its spans are not looked at) and
+    /// gives the file its name.
+    void finish(const OctreeView& octree);
+
+  private:
+    void end_section();
+
+    struct Hash;
+    AtomicFile file_;
+    std::unique_ptr<Hash> hash_;
+    FileHeader header_{};
+    std::uint64_t section_bytes_ = 0;
+    std::uint64_t position_ = kSectionAlignment;
+};
+
+}  // namespace glowworm
