@@ -95,7 +95,8 @@ std::filesystem::path shader_folder() {
     }
     std::error_code ignored;
     for (const auto& folder : tried) {
-        if (std::filesystem::is_directory(folder, ignored)) return folder;
+        // A build folder has a `shaders` of its own, without shaders.
+        if (std::filesystem::exists(folder / "gpu_layout.h", ignored)) return folder;
     }
     throw Error(ExitCode::kInternal,
                 fmt::format("the shader folder {} is missing: set GLOWWORM_SHADERS to the folder "
