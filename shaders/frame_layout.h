@@ -1,10 +1,9 @@
 // What the frame's passes and C++ both read. The same rules as gpu_layout.h.
-#ifdef __cplusplus
-#pragma once
-#include "shaders/gpu_layout.h"
-namespace glowworm::gpu {
-#else
+#ifndef FRAME_LAYOUT_H
+#define FRAME_LAYOUT_H
 #include "gpu_layout.h"
+#ifdef __cplusplus
+namespace glowworm::gpu {
 #endif
 
 // Bindings: storage buffers from BINDING_FRAME_FIRST on, the uniform block after the light's.
@@ -15,6 +14,14 @@ namespace glowworm::gpu {
 #define BINDING_NORMAL_SUMS (BINDING_FRAME_FIRST + 4)
 #define BINDING_ALBEDO_SUMS (BINDING_FRAME_FIRST + 5)
 #define BINDING_BEHIND_SUMS (BINDING_FRAME_FIRST + 6)
+#define BINDING_PIXEL_SURFACES (BINDING_FRAME_FIRST + 7)
+#define BINDING_PIXEL_ALBEDOS (BINDING_FRAME_FIRST + 8)
+#define BINDING_PIXEL_DIRECT (BINDING_FRAME_FIRST + 9)
+#define BINDING_PIXEL_INDIRECT (BINDING_FRAME_FIRST + 10)
+#define BINDING_PIXEL_EMISSION (BINDING_FRAME_FIRST + 11)
+#define BINDING_PIXEL_BEAUTY (BINDING_FRAME_FIRST + 12)
+#define BINDING_PANELS (BINDING_FRAME_FIRST + 13)
+#define BINDING_LUMINANCES (BINDING_FRAME_FIRST + 14)
 #define BINDING_VIEW 1
 
 // The camera of viewer/frame/view.h, in the octree's frame.
@@ -45,6 +52,18 @@ struct SplatBatch {
 };
 #define SPLAT_GROUP 128
 
+// A visible area light: a rectangle, lit on the side its normal points to.
+struct Panel {
+    vec4 corner;     // xyz: m, relative to the octree's origin
+    vec4 edge_u;     // xyz: m
+    vec4 edge_v;     // xyz: m
+    vec4 radiance;   // rgb: W/sr/m2
+};
+
+// Every how many pixels exposure looks at one.
+#define LUMINANCE_STRIDE 8
+
 #ifdef __cplusplus
 }  // namespace glowworm::gpu
+#endif
 #endif

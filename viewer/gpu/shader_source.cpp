@@ -40,7 +40,9 @@ void append_file(ShaderSource& source, const std::filesystem::path& path,
     std::string line;
     for (std::uint32_t number = 1; std::getline(stream, line); ++number) {
         const std::string_view start = without_indent(line);
-        if (start.starts_with("#include")) {
+        if (start.starts_with("#include <")) {
+            append_line(source, "", file, number);  // a shared header's C++ side
+        } else if (start.starts_with("#include")) {
             const std::string here = fmt::format("{}:{}", path.filename().string(), number);
             const auto open = start.find('"');
             const auto close = start.rfind('"');
