@@ -37,9 +37,9 @@ vec3 indirect_irradiance(vec3 position, vec3 normal) {
     while (top > 0) {
         --top;
         Node node = nodes[stack_node[top]];
-        uvec2 packed = stack_cell[top];
-        ivec3 cell = ivec3(packed.x & 0xffffu, packed.x >> 16, packed.y & 0xffffu);
-        int level = int(packed.y >> 16);
+        uvec2 place = stack_cell[top];
+        ivec3 cell = ivec3(place.x & 0xffffu, place.x >> 16, place.y & 0xffffu);
+        int level = int(place.y >> 16);
         if (level == depth) {
             vec3 d = vec3(cell) - at;
             float w = lookup_weight(d.x, tricubic) * lookup_weight(d.y, tricubic) *

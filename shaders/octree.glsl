@@ -44,14 +44,14 @@ vec3 lobe_albedo(uint i) {
     return vec3(lobes[i].albedo[0], lobes[i].albedo[1], lobes[i].albedo[2]);
 }
 
-vec3 unpack_bytes(uint packed) {
-    return vec3(packed & 255u, (packed >> 8) & 255u, (packed >> 16) & 255u);
+vec3 unpack_bytes(uint bits) {
+    return vec3(bits & 255u, (bits >> 8) & 255u, (bits >> 16) & 255u);
 }
 
 // EXT_texture_shared_exponent, red in the low bits.
-vec3 unpack_rgb9e5(uint packed) {
-    vec3 mantissa = vec3(packed & 511u, (packed >> 9) & 511u, (packed >> 18) & 511u);
-    return mantissa * exp2(float(packed >> 27) - 24.0);
+vec3 unpack_rgb9e5(uint bits) {
+    vec3 mantissa = vec3(bits & 511u, (bits >> 9) & 511u, (bits >> 18) & 511u);
+    return mantissa * exp2(float(bits >> 27) - 24.0);
 }
 
 uint lobes_of_leaf(uint mask) { return (mask >> 8) & 3u; }
