@@ -7,8 +7,9 @@
 // The sums become a surface per pixel, and the buffers are left clean for the next frame.
 layout(local_size_x = 128) in;
 layout(std430, binding = BINDING_DEPTHS) buffer pixel_depths { uint depths[]; };
-layout(binding = 0, rgba32f) uniform writeonly image2D surface_image;   // normal; w: depth, 0: none
-layout(binding = 1, rgba32f) uniform writeonly image2D albedo_image;    // albedo; w: NDF length
+// Normal in the octree's frame, w: depth, 0 where nothing was hit; albedo, w: NDF length.
+layout(std430, binding = BINDING_PIXEL_SURFACES) writeonly buffer pixel_surfaces { vec4 surfaces[]; };
+layout(std430, binding = BINDING_PIXEL_ALBEDOS) writeonly buffer pixel_albedos { vec4 albedos[]; };
 
 const uint kFarthest = 0x7f800000u;   // +infinity
 
@@ -25,9 +26,8 @@ void main() {
         surface = vec4(normal / max(length(normal), 1e-20), depth);
         albedo = vec4(albedo_sums[pixel]) / weight;
     }
-    ivec2 place = ivec2(pixel % view.width, pixel / view.width);
-    imageStore(surface_image, place, surface);
-    imageStore(albedo_image, place, albedo);
+    surfaces[pixel] = surface;
+    albedos[pixel] = albedo;
 
     depths[pixel] = kFarthest;
     normal_sums[pixel] = ivec4(0);

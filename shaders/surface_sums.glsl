@@ -1,8 +1,8 @@
 // Weighted sums over the discs at a pixel, in fixed point: integer sums do not depend on their
 // order, so the same frame gives the same bits.
-layout(std430, binding = BINDING_NORMAL_SUMS) buffer pixel_normals { ivec4 normal_sums[]; };   // camera space; w: weight
-layout(std430, binding = BINDING_ALBEDO_SUMS) buffer pixel_albedos { uvec4 albedo_sums[]; };   // w: NDF length
-layout(std430, binding = BINDING_BEHIND_SUMS) buffer pixel_behinds { int behind_sums[]; };     // m behind the nearest
+layout(std430, binding = BINDING_NORMAL_SUMS) buffer pixel_normal_sums { ivec4 normal_sums[]; };   // camera space; w: weight
+layout(std430, binding = BINDING_ALBEDO_SUMS) buffer pixel_albedo_sums { uvec4 albedo_sums[]; };   // w: NDF length
+layout(std430, binding = BINDING_BEHIND_SUMS) buffer pixel_behind_sums { int behind_sums[]; };     // m behind the nearest
 
 const float kFixedOne = 65536.0;
 const float kLeastWeight = 1.0 / 256.0;

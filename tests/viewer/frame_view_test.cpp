@@ -53,7 +53,7 @@ TEST(View, ProjectsWhatARayPassesThroughToTheRaysPixel) {
         double worst = 0;
         for (int i = 0; i < 1000; ++i) {
             const double px = x(random), py = y(random), d = depth(random);
-            const Ray ray = ray_through(view, px, py);
+            const ViewRay ray = ray_through(view, px, py);
             const PixelPoint back = project(view, ray.origin + ray.direction * d);
             worst = std::max(
                 {worst, std::abs(back.x - px), std::abs(back.y - py), std::abs(back.depth - d)});

@@ -16,7 +16,7 @@ struct Irradiance {
     Vec3f indirect;  ///< reflected at least once
 };
 
-struct Probe {
+struct MeterPoint {
     Vec3d position;  ///< m, world
     Vec3d normal;    ///< unit, world
 };
@@ -25,7 +25,7 @@ struct Probe {
 struct ProbeTable {
     std::string carried_header;        ///< "px,py,pz,nx,ny,nz,..." without truth columns
     std::vector<std::string> carried;  ///< [n] each row's cells of carried_header
-    std::vector<Probe> probes;         ///< [n]
+    std::vector<MeterPoint> probes;    ///< [n]
     std::vector<Irradiance> truth;     ///< [n], or empty where the file has none
 };
 

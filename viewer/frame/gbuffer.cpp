@@ -71,31 +71,36 @@ void write_growing(Buffer& buffer, const char* label, const std::vector<T>& valu
 
 }  // namespace
 
-GBuffer::GBuffer() : view_block_("view", sizeof(gpu::ViewBlock)) {}
+GBuffer::GBuffer() : view_("view", sizeof(gpu::ViewBlock)) {}
 
-void GBuffer::resize(int width, int height) {
-    if (surface_.width() == width && surface_.height() == height) return;
-    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    const float infinity = std::numeric_limits<float>::infinity();
-    depths_ = Buffer("pixel depths", pixels * sizeof(std::uint32_t));
-    depths_.write(std::vector<float>(pixels, infinity));
+void GBuffer::resize(std::size_t pixels) {
+    if (pixels == pixels_) return;
+    pixels_ = pixels;
+    depths_ = Buffer("pixel depths", pixels * sizeof(float));
+    depths_.write(std::vector<float>(pixels, std::numeric_limits<float>::infinity()));
     normal_sums_ = Buffer("normal sums", pixels * 4 * sizeof(std::int32_t));
     albedo_sums_ = Buffer("albedo sums", pixels * 4 * sizeof(std::uint32_t));
     behind_sums_ = Buffer("behind sums", pixels * sizeof(std::int32_t));
-    surface_ = Texture("surface", GL_RGBA32F, width, height);
-    albedo_ = Texture("albedo", GL_RGBA32F, width, height);
+    surfaces_ = Buffer("pixel surfaces", pixels * sizeof(gpu::vec4));
+    albedos_ = Buffer("pixel albedos", pixels * sizeof(gpu::vec4));
+}
+
+void GBuffer::bind() const {
+    view_.bind_uniform(BINDING_VIEW);
+    surfaces_.bind_storage(BINDING_PIXEL_SURFACES);
+    albedos_.bind_storage(BINDING_PIXEL_ALBEDOS);
 }
 
 void GBuffer::draw(const OctreeView& octree, const SurfelPages& cloud,
                    std::span<const ChunkSelection> selection, const View& view) {
-    resize(view.width, view.height);
+    resize(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
     const gpu::ViewBlock block = view_block_of(view, octree.grid.origin);
-    view_block_.write(std::span(&block, 1));
+    view_.write(std::span(&block, 1));
     const DrawList list = draw_list_of(octree, cloud, selection);
     write_growing(chunks_, "drawn chunks", list.chunks);
     write_growing(batches_, "splat batches", list.batches);
 
-    view_block_.bind_uniform(BINDING_VIEW);
+    bind();
     chunks_.bind_storage(BINDING_DRAWN_CHUNKS);
     batches_.bind_storage(BINDING_SPLAT_BATCHES);
     depths_.bind_storage(BINDING_DEPTHS);
@@ -103,7 +108,6 @@ void GBuffer::draw(const OctreeView& octree, const SurfelPages& cloud,
     albedo_sums_.bind_storage(BINDING_ALBEDO_SUMS);
     behind_sums_.bind_storage(BINDING_BEHIND_SUMS);
     for (const Program* pass : {&depth_, &blend_}) {
-        pass->use();
         for (const PageDraw& draw : list.pages) {
             cloud.pages()[draw.page].bind_storage(BINDING_SURFELS);
             set_uniform(*pass, 0, draw.batch_count);
@@ -111,11 +115,7 @@ void GBuffer::draw(const OctreeView& octree, const SurfelPages& cloud,
             pass->dispatch(std::size_t{draw.batch_count} * SPLAT_GROUP, SPLAT_GROUP);
         }
     }
-    resolve_.use();
-    surface_.bind_image(0, GL_WRITE_ONLY);
-    albedo_.bind_image(1, GL_WRITE_ONLY);
-    resolve_.dispatch(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height),
-                      128);
+    resolve_.dispatch(pixels_, 128);
 }
 
 }  // namespace glowworm

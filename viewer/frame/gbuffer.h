@@ -11,30 +11,33 @@
 namespace glowworm {
 
 /// The visible surface at every pixel, from discs rasterised by compute: 32-bit atomics find the
-/// nearest disc, then all discs within a radius of it are averaged.
+/// nearest disc, then all discs within a radius of it are averaged. Sums are integers, so the same
+/// cloud and view give the same bits. Pixels lie row by row, the top one first.
 class GBuffer {
   public:
     GBuffer();
 
-    /// Draws `selection` as seen by `view`; the buffers grow to its size.
+    /// Draws `selection` as seen by `view`.
     void draw(const OctreeView& octree, const SurfelPages& cloud,
               std::span<const ChunkSelection> selection, const View& view);
 
-    /// Unit normal in the world; w: depth in m, 0 where nothing was hit. Row 0 is the top one.
-    const Texture& surface() const { return surface_; }
-    /// Linear albedo; w: NDF length.
-    const Texture& albedo() const { return albedo_; }
-    /// The camera of the last `draw`, ViewBlock of shaders/frame_layout.h.
-    const Buffer& view_block() const { return view_block_; }
+    /// Binds the view and the pixels for passes that go on from here.
+    void bind() const;
+
+    /// [pixels] vec4: unit normal in the world; w: depth in m, 0 where nothing was hit.
+    const Buffer& surfaces() const { return surfaces_; }
+    /// [pixels] vec4: linear albedo; w: NDF length.
+    const Buffer& albedos() const { return albedos_; }
 
   private:
-    void resize(int width, int height);
+    void resize(std::size_t pixels);
 
     Program depth_{{"splat_depth.comp"}}, blend_{{"splat_blend.comp"}};
     Program resolve_{{"surface_resolve.comp"}};
-    Buffer view_block_, chunks_, batches_;
+    Buffer view_, chunks_, batches_;
     Buffer depths_, normal_sums_, albedo_sums_, behind_sums_;
-    Texture surface_, albedo_;
+    Buffer surfaces_, albedos_;
+    std::size_t pixels_ = 0;
 };
 
 }  // namespace glowworm

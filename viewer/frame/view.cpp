@@ -51,7 +51,7 @@ PixelPoint project(const View& view, const Vec3d& world) {
             view.centre_y + dot(offset, view.down) * scale, depth};
 }
 
-Ray ray_through(const View& view, double x, double y) {
+ViewRay ray_through(const View& view, double x, double y) {
     const Vec3d sideways = view.right * ((x - view.centre_x) / view.focal) +
                            view.down * ((y - view.centre_y) / view.focal);
     if (view.orthographic) return {view.position + sideways, view.forward};

@@ -26,7 +26,7 @@ struct PixelPoint {
 };
 
 /// The rays of a pinhole leave its position; orthographic ones leave the plane through it.
-struct Ray {
+struct ViewRay {
     Vec3d origin;     ///< m, world
     Vec3d direction;  ///< world; one unit of it is 1 m of depth
 };
@@ -43,6 +43,6 @@ View supersampled(const View& view, int n);
 PixelPoint project(const View& view, const Vec3d& world);
 
 /// The ray through a point of the picture, in pixels.
-Ray ray_through(const View& view, double x, double y);
+ViewRay ray_through(const View& view, double x, double y);
 
 }  // namespace glowworm

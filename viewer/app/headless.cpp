@@ -1,0 +1,117 @@
+#include "viewer/app/headless.h"
+
+#include <spdlog/spdlog.h>
+
+#include <nlohmann/json.hpp>
+
+#include "octree/atomic_file.h"
+#include "viewer/app/probes.h"
+#include "viewer/app/start.h"
+#include "viewer/frame/exposure.h"
+#include "viewer/frame/exr.h"
+#include "viewer/frame/png.h"
+#include "viewer/gpu/context.h"
+#include "viewer/light/light_field.h"
+
+namespace glowworm {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void write_output(const std::filesystem::path& path, const std::string& bytes) {
+    AtomicFile file(path);
+    file.write(bytes);
+    file.commit();
+}
+
+/// Reflects the light as often as the options say.
+Json propagate(LightField& light, const Options& options, Console& console) {
+    if (options.bounces == 0) return {{"bounces", 0}};
+    light.prepare(console.phase("links", "lobes"));
+    console.phase("light", "bounces");
+    if (options.bounces) {
+        light.iterate(*options.bounces);
+        return {{"bounces", *options.bounces}};
+    }
+    const Convergence result = light.converge();
+    if (!result.settled) {
+        spdlog::warn("the light has not settled after {} bounces: the last changed it by {:.2g} %",
+                     result.bounces, result.residual * 100.0);
+    }
+    return {
+        {"bounces", result.bounces}, {"residual", result.residual}, {"settled", result.settled}};
+}
+
+Json measure_probes(const LightField& light, const Options& options, Console& console) {
+    const ProbeTable table = read_probes(options.probes);
+    console.phase("probes", "probes");
+    std::vector<Probe> probes;
+    for (const MeterPoint& point : table.probes) {
+        probes.push_back({point.position, vec3_cast<float>(point.normal)});
+    }
+    std::vector<Irradiance> measured;
+    for (const ProbeResult& result : light.measure(probes)) {
+        measured.push_back({result.direct, result.indirect});
+    }
+    write_output(options.output, format_probes(table, measured));
+
+    Json result{{"probes", measured.size()}};
+    if (const auto differences = compare_probes(table, measured)) {
+        const auto json_of = [](const Difference& d) {
+            return Json{{"mean_relative", d.mean}, {"worst_relative", d.worst}};
+        };
+        result["direct"] = json_of(differences->direct);
+        result["indirect"] = json_of(differences->indirect);
+    }
+    return result;
+}
+
+Json render_frame(const Context& context, const OctreeView& octree, const LightField& light,
+                  const Start& start, const Options& options, Console& console) {
+    Camera camera = start.camera;
+    if (options.size) {
+        camera.width = options.size->width;
+        camera.height = options.size->height;
+    }
+    const View view = view_of(camera);
+    Frame frame(context, octree, options.frame);
+    frame.set_panels(start.scene.area_lights);
+    const FrameLayers layers = frame.render(view, light, console.phase("frame", "pixels"));
+
+    Json result{{"camera", camera.name}, {"width", camera.width}, {"height", camera.height}};
+    if (options.output.extension() == ".exr") {
+        write_output(options.output, encode_exr(layers, view));
+        return result;
+    }
+    const double stops = options.display.exposure.value_or(measured_exposure(layers));
+    const Picture picture = Display().picture_of(layers, stops, options.display.curve);
+    write_output(options.output, encode_png(picture));
+    spdlog::info("exposed by {:.2f} EV", stops);
+    result["exposure"] = stops;
+    result["tonemap"] = kToneCurveNames[static_cast<int>(options.display.curve)];
+    return result;
+}
+
+}  // namespace
+
+Json run_headless(const Options& options, const OctreeFile& file, Console& console) {
+    require_writable_output(options.output, options.force);
+    const OctreeView& octree = file.view();
+    const Start start = start_of(octree, options.scene, options.camera);
+
+    console.phase("upload", "");
+    const Context context = Context::headless();
+    spdlog::debug("drawing on {}, OpenGL {}", context.device().renderer, context.device().version);
+    LightField light(context, octree, start.scene, options.light);
+
+    Json result{{"output", options.output.string()}, {"renderer", context.device().renderer}};
+    result.update(propagate(light, options, console));
+    result.update(options.probes.empty()
+                      ? render_frame(context, octree, light, start, options, console)
+                      : measure_probes(light, options, console));
+    for (const std::string& error : context.errors())
+        spdlog::warn("OpenGL: {}", error);
+    return result;
+}
+
+}  // namespace glowworm

@@ -1,0 +1,133 @@
+#include "viewer/app/options.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+
+#include "octree/error.h"
+
+namespace glowworm {
+namespace {
+
+constexpr int kLargestEdge = 16384;  // pixels
+
+[[noreturn]] void fail(const std::string& sentence) {
+    throw Error(ExitCode::kUsage, sentence + "; `glowworm-view --help` shows what there is");
+}
+
+PictureSize size_of(const std::string& text) {
+    PictureSize size{};
+    const char* end = text.data() + text.size();
+    const auto width = std::from_chars(text.data(), end, size.width);
+    if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
+        const auto height = std::from_chars(width.ptr + 1, end, size.height);
+        const auto fits = [](int edge) { return edge >= 1 && edge <= kLargestEdge; };
+        if (height.ec == std::errc() && height.ptr == end && fits(size.width) &&
+            fits(size.height)) {
+            return size;
+        }
+    }
+    fail(fmt::format("--size '{}' is not WIDTHxHEIGHT in 1..{} pixels", text, kLargestEdge));
+}
+
+/// What only makes sense together, in a sentence each.
+void check_combination(const CLI::App& app, const Options& options) {
+    if (!options.headless) {
+        for (const char* flag : {"--output", "--probes", "--size", "--json", "--force"}) {
+            if (app.count(flag) > 0) fail(fmt::format("{} needs --headless", flag));
+        }
+        return;
+    }
+    if (options.output.empty()) fail("--headless needs -o, the file to write");
+    const std::string ending = options.output.extension().string();
+    if (options.probes.empty()) {
+        if (ending != ".exr" && ending != ".png") {
+            fail(fmt::format("the frame '{}' must end in .exr or .png", options.output.string()));
+        }
+        if (ending == ".exr" && (app.count("--tonemap") > 0 || app.count("--exposure") > 0)) {
+            fail("an EXR holds radiance: --exposure and --tonemap are for PNG");
+        }
+        return;
+    }
+    for (const char* flag : {"--camera", "--size", "--exposure", "--tonemap", "--samples"}) {
+        if (app.count(flag) > 0) fail(fmt::format("{} is for frames, not for --probes", flag));
+    }
+}
+
+}  // namespace
+
+std::optional<Options> read_options(int argc, char** argv) {
+    Options options;
+    std::string size, tonemap = kToneCurveNames[static_cast<int>(options.display.curve)];
+    std::string interpolation = "tricubic";
+    int bounces = 0;
+    double exposure = 0.0;
+    bool converge = false;
+
+    CLI::App app{"Walks through a cave's octree with the light that lamps and walls make.",
+                 "glowworm-view"};
+    app.set_version_flag("--version", "glowworm-view " GLOWWORM_VERSION);
+    app.set_config("--config", "", "read flags from this TOML file; the command line wins");
+    app.add_option("octree", options.octree, "the .svo file")->required();
+    app.add_option("--scene", options.scene,
+                   "lights and cameras (scene.json); without it a lamp at "
+                   "each station and a headlamp");
+    app.add_option("--camera", options.camera, "a camera of the scene; the first without it");
+    app.add_flag("--headless", options.headless, "write a file and show nothing; needs no display");
+    app.add_option("-o,--output", options.output, "frame.exr, frame.png, or the probes' CSV");
+    app.add_option("--probes", options.probes, "measure irradiance at this CSV's points");
+    app.add_option("--size", size, "WIDTHxHEIGHT in pixels; the camera's without it");
+
+    auto* bounces_option = app.add_option("--bounces", bounces,
+                                          "how often light is reflected; 0 is "
+                                          "direct light only")
+                               ->check(CLI::Range(0, 100000));
+    app.add_flag("--converge", converge,
+                 "reflect until the light settles; so it is without --bounces")
+        ->excludes(bounces_option);
+    app.add_option("--interpolation", interpolation, "between leaves: trilinear or tricubic")
+        ->check(CLI::IsMember({"trilinear", "tricubic"}));
+    app.add_option("--samples", options.frame.samples,
+                   "a headless pixel is the mean of this many "
+                   "squared")
+        ->check(CLI::Range(1, 8))
+        ->capture_default_str();
+    auto* exposure_option =
+        app.add_option("--exposure", exposure, "stops (EV); measured from the picture without it")
+            ->check(CLI::Range(-50.0, 50.0));
+    app.add_option("--tonemap", tonemap, "linear, reinhard, aces or agx")
+        ->check(CLI::IsMember({"linear", "reinhard", "aces", "agx"}))
+        ->capture_default_str();
+
+    app.add_flag("--force", options.force, "overwrite an output that is there");
+    app.add_flag("--json", options.json, "print the result as one JSON object on stdout");
+    app.add_option("--progress", options.progress, "auto, bar, json or none")
+        ->check(CLI::IsMember({"auto", "bar", "json", "none"}));
+    app.add_flag("-q,--quiet", options.quiet, "say nothing but errors");
+    app.add_flag("-v,--verbose", options.verbose, "say every detail");
+    app.add_option("--log-file", options.log_file, "write the log to this file as well");
+    app.add_option("--threads", options.threads, "how many threads to use; 0 is all")
+        ->check(CLI::Range(0, 1024));
+
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) {
+            app.exit(error);
+            return std::nullopt;
+        }
+        fail(error.what());
+    }
+    check_combination(app, options);
+    if (!size.empty()) options.size = size_of(size);
+    if (bounces_option->count() > 0) options.bounces = bounces;
+    if (exposure_option->count() > 0) options.display.exposure = exposure;
+    options.light.tricubic = interpolation == "tricubic";
+    for (std::uint32_t i = 0; i < std::size(kToneCurveNames); ++i) {
+        if (tonemap == kToneCurveNames[i]) options.display.curve = static_cast<ToneCurve>(i);
+    }
+    return options;
+}
+
+}  // namespace glowworm

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "viewer/frame/display.h"
+#include "viewer/frame/frame.h"
+#include "viewer/light/settings.h"
+
+namespace glowworm {
+
+struct PictureSize {
+    int width, height;  ///< pixels, 1..16384
+};
+
+/// The command line, checked.
+struct Options {
+    std::filesystem::path octree;
+    std::filesystem::path scene;      ///< empty: a scene of our own
+    std::filesystem::path output;     ///< headless only
+    std::filesystem::path probes;     ///< empty: a frame
+    std::string camera;               ///< empty: the scene's first
+    std::optional<PictureSize> size;  ///< empty: the camera's
+    std::optional<int> bounces;       ///< empty: until the light settles
+    bool headless = false;
+
+    LightSettings light;
+    FrameSettings frame;
+    DisplaySettings display;
+
+    bool force = false;
+    bool json = false;
+    bool quiet = false, verbose = false;
+    std::string progress = "auto";
+    std::filesystem::path log_file;
+    int threads = 0;  ///< 0: all
+};
+
+/// Reads the command line. Empty where --help or --version was asked for and has been printed.
+/// Throws Error (kUsage) for what does not fit.
+std::optional<Options> read_options(int argc, char** argv);
+
+}  // namespace glowworm

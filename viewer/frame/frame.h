@@ -1,0 +1,41 @@
+#pragma once
+
+#include <span>
+
+#include "octree/octree_file.h"
+#include "octree/progress.h"
+#include "viewer/frame/gbuffer.h"
+#include "viewer/frame/layers.h"
+#include "viewer/frame/shading.h"
+
+namespace glowworm {
+
+struct FrameSettings {
+    SelectionSettings selection;
+    int samples = 2;  ///< 1..8: a headless frame's pixels are means of this many squared
+};
+
+/// One cloud, drawn frame after frame. The octree must outlive it.
+class Frame {
+  public:
+    Frame(const Context& context, const OctreeView& octree, const FrameSettings& settings = {});
+
+    void set_panels(std::span<const AreaLight> panels);
+
+    /// Select, splat, shade: `view`'s pixels lie in beauty() afterwards.
+    void draw(const View& view, const LightField& light);
+
+    /// A frame of any size with all its layers, tile by tile; `progress` counts pixels.
+    FrameLayers render(const View& view, const LightField& light, const Progress& progress = {});
+
+    const Buffer& beauty() const { return shading_.beauty(); }
+
+  private:
+    OctreeView octree_;
+    FrameSettings settings_;
+    SurfelPages cloud_;
+    GBuffer gbuffer_;
+    Shading shading_;
+};
+
+}  // namespace glowworm

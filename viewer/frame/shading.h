@@ -1,0 +1,36 @@
+#pragma once
+
+#include <span>
+
+#include "octree/surfel.h"
+#include "viewer/frame/gbuffer.h"
+#include "viewer/light/light_field.h"
+
+namespace glowworm {
+
+/// Light on the G-buffer's surfaces, each layer by itself: direct with traced shadows, indirect
+/// from the leaves around, and area lights as the rectangles they are.
+class Shading {
+  public:
+    Shading() = default;
+
+    /// What emits and is seen; `origin` is the octree's, m, world.
+    void set_panels(std::span<const AreaLight> panels, const Vec3d& origin);
+
+    /// Shades `view`'s pixels; where a panel is in front it takes the surface's place.
+    void draw(const GBuffer& gbuffer, const LightField& light, const View& view);
+
+    /// [pixels] vec4 of radiance, W·sr⁻¹·m⁻².
+    const Buffer& direct() const { return direct_; }
+    const Buffer& indirect() const { return indirect_; }
+    const Buffer& emission() const { return emission_; }
+    /// Their sum; w: 1 where a surface was hit.
+    const Buffer& beauty() const { return beauty_; }
+
+  private:
+    Program shade_{{"shade.comp"}};
+    Buffer panels_, direct_, indirect_, emission_, beauty_;
+    std::uint32_t panel_count_ = 0;
+};
+
+}  // namespace glowworm
