@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "preprocess/read/laz_integer.h"
+#include "preprocess/read/little_endian.h"
 
 namespace glowworm {
 namespace {
@@ -29,13 +30,6 @@ constexpr ItemKind kItemKinds[] = {
     {LazItemType::kRgb14, 6, 2, 4, true},          {LazItemType::kRgbNir14, 8, 2, 4, true},
     {LazItemType::kWavePacket14, 29, 2, 4, true},  {LazItemType::kByte14, 0, 2, 4, true},
 };
-
-template <typename T>
-T load(const std::byte* from) {
-    T value;
-    std::memcpy(&value, from, sizeof(T));
-    return value;
-}
 
 template <typename T>
 T read(const InputFile& file, std::uint64_t offset) {

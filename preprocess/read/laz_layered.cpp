@@ -6,30 +6,19 @@
 
 #include "preprocess/read/laz_colour.h"
 #include "preprocess/read/laz_point14.h"
+#include "preprocess/read/little_endian.h"
 
 namespace glowworm {
 namespace {
-
-template <typename T>
-T load(const std::byte* from) {
-    T value;
-    std::memcpy(&value, from, sizeof(T));
-    return value;
-}
-
-template <typename T>
-void store(std::byte* to, const T& value) {
-    std::memcpy(to, &value, sizeof(T));
-}
 
 /// State of an item for each scanner channel. A channel that comes up for the first time in a chunk
 /// goes on from the last values of the channel before it.
 template <typename State, typename Last>
 class Channels {
   public:
-    /// `keeps_stale_last`: version 3 of the format goes on predicting from (and updating) the values
-    /// of the channel before the switch until the next point, where the new channel was in use
-    /// already; version 4 does not. Both ends do it, so it decodes.
+    /// `keeps_stale_last`: version 3 of the format goes on predicting from (and updating) the
+    /// values of the channel before the switch until the next point, where the new channel was in
+    /// use already; version 4 does not. Both ends do it, so it decodes.
     explicit Channels(bool keeps_stale_last) : keeps_stale_last_(keeps_stale_last) {}
 
     void start(std::uint32_t channel, const Last& first) {
@@ -72,7 +61,8 @@ class Channels {
 struct InfraredState {
     SymbolModel changed, low, high;
     void reset() {
-        for (SymbolModel* model : {&changed, &low, &high}) model->retire();
+        for (SymbolModel* model : {&changed, &low, &high})
+            model->retire();
     }
     std::uint16_t next(ArithmeticDecoder& decoder, std::uint16_t last) {
         const std::uint32_t which = next_symbol(decoder, changed, 4);
@@ -112,15 +102,20 @@ class LayeredDecoder final : public LazChunkDecoder {
         for (const LazItem& item : layout.items) {
             const bool stale = item.version < 4;
             switch (item.type) {
-                case LazItemType::kPoint14: point_layers_at_ = sizes_.size(); grow(9); break;
-                case LazItemType::kRgb14: add_colour(item, stale); break;
+                case LazItemType::kPoint14:
+                    point_layers_at_ = sizes_.size();
+                    grow(9);
+                    break;
+                case LazItemType::kRgb14:
+                    add_colour(item, stale);
+                    break;
                 case LazItemType::kRgbNir14:
                     add_colour(item, stale);
                     infrared_at_ = sizes_.size();
                     grow(1);
                     if (wanted.infrared) {
-                        infrared_ = std::make_unique<InfraredItem>(InfraredItem{
-                            &item, {}, Channels<InfraredState, std::uint16_t>(stale)});
+                        infrared_ = std::make_unique<InfraredItem>(
+                            InfraredItem{&item, {}, Channels<InfraredState, std::uint16_t>(stale)});
                     }
                     break;
                 case LazItemType::kByte14:
@@ -131,7 +126,8 @@ class LayeredDecoder final : public LazChunkDecoder {
                             {item.offset + i, {}, Channels<ByteState, std::uint8_t>(stale)});
                     }
                     break;
-                default: grow(1);   // a wave packet
+                default:
+                    grow(1);  // a wave packet
             }
         }
     }
@@ -164,7 +160,8 @@ class LayeredDecoder final : public LazChunkDecoder {
         for (ByteItem& byte : bytes_) {
             if (!byte.layer.present) continue;
             auto [state, last] = byte.channels.at(channel);
-            last = static_cast<std::uint8_t>(last + next_symbol(byte.layer.decoder, state.model, 256));
+            last =
+                static_cast<std::uint8_t>(last + next_symbol(byte.layer.decoder, state.model, 256));
             record[byte.offset] = static_cast<std::byte>(last);
         }
     }
@@ -214,8 +211,7 @@ class LayeredDecoder final : public LazChunkDecoder {
         if (infrared_) {
             open(infrared_->layer, infrared_at_, true);
             infrared_->channels.start(
-                channel,
-                load<std::uint16_t>(first_record_.data() + infrared_->item->offset + 6));
+                channel, load<std::uint16_t>(first_record_.data() + infrared_->item->offset + 6));
         }
         for (std::size_t i = 0; i < bytes_.size(); ++i) {
             open(bytes_[i].layer, bytes_at_ + i, true);
@@ -227,10 +223,16 @@ class LayeredDecoder final : public LazChunkDecoder {
     bool wants(Point14Layer layer) const {
         switch (layer) {
             case Point14Layer::kReturnsXy:
-            case Point14Layer::kZ: return true;
-            case Point14Layer::kIntensity: return wanted_.intensity;
-            case Point14Layer::kGpsTime: return wanted_.gps_time;
-            default: return wanted_.classification;
+            case Point14Layer::kZ:
+                return true;
+            case Point14Layer::kFlags:
+                return wanted_.flags;
+            case Point14Layer::kIntensity:
+                return wanted_.intensity;
+            case Point14Layer::kGpsTime:
+                return wanted_.gps_time;
+            default:
+                return wanted_.classification;
         }
     }
 
@@ -251,8 +253,8 @@ class LayeredDecoder final : public LazChunkDecoder {
     LazChunk chunk_;
     bool first_ = true;
     std::vector<std::byte> first_record_;
-    std::vector<std::uint32_t> sizes_;      // of all layers, in the order of the file
-    std::vector<std::uint64_t> starts_;     // in the file
+    std::vector<std::uint32_t> sizes_;   // of all layers, in the order of the file
+    std::vector<std::uint64_t> starts_;  // in the file
     std::size_t point_layers_at_ = 0, colour_at_ = 0, infrared_at_ = 0, bytes_at_ = 0;
 
     Point14Decoder point_;

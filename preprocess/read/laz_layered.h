@@ -9,10 +9,11 @@ namespace glowworm {
 /// Which attributes of a point are decoded. Those that are not keep what the first point of their
 /// chunk has. Position and returns always are.
 struct LazLayers {
-    bool classification = true;   ///< and the flags, scan angle, user data and source
+    bool flags = true;           ///< classification flags (withheld ...), direction, edge
+    bool classification = true;  ///< and scan angle, user data and source
     bool intensity = true;
     bool gps_time = true;
-    bool colour = true;           ///< red, green, blue
+    bool colour = true;  ///< red, green, blue
     bool infrared = true;
     bool extra_bytes = true;
 };

@@ -1,21 +1,11 @@
 #include "preprocess/read/laz_point14.h"
 
-#include <cstring>
+#include <algorithm>
+
+#include "preprocess/read/little_endian.h"
 
 namespace glowworm {
 namespace {
-
-template <typename T>
-T load(const std::byte* from) {
-    T value;
-    std::memcpy(&value, from, sizeof(T));
-    return value;
-}
-
-template <typename T>
-void store(std::byte* to, const T& value) {
-    std::memcpy(to, &value, sizeof(T));
-}
 
 std::uint8_t byte_at(const std::byte* record, std::size_t offset) {
     return std::to_integer<std::uint8_t>(record[offset]);
@@ -69,7 +59,7 @@ void Point14::pack(std::byte* record) const {
 
 struct Point14Decoder::Context {
     Point14 last;
-    bool time_changed = false;   // from the point before the last to the last
+    bool time_changed = false;  // from the point before the last to the last
 
     std::array<SymbolModel, 8> changed;
     SymbolModel channel_step, return_step;
@@ -86,12 +76,15 @@ struct Point14Decoder::Context {
         last = point;
         time_changed = false;
         for (auto* models : {&classification, &flags, &user_data}) {
-            for (SymbolModel& model : *models) model.retire();
+            for (SymbolModel& model : *models)
+                model.retire();
         }
         for (auto* models : {&returns, &return_number}) {
-            for (SymbolModel& model : *models) model.retire();
+            for (SymbolModel& model : *models)
+                model.retire();
         }
-        for (SymbolModel& model : changed) model.retire();
+        for (SymbolModel& model : changed)
+            model.retire();
         channel_step.retire();
         return_step.retire();
         for (IntegerDecoder* integer : {&x, &y, &z, &intensity, &scan_angle, &source}) {
@@ -134,13 +127,18 @@ void Point14Decoder::read_returns(Context& context, ArithmeticDecoder& decoder,
     }
     std::uint32_t now = before;
     switch (changed & 3) {
-        case 1: now = before + 1; break;
-        case 2: now = before + 15; break;
+        case 1:
+            now = before + 1;
+            break;
+        case 2:
+            now = before + 15;
+            break;
         case 3:
             now = changed & 16 ? next_symbol(decoder, context.return_number[before], 16)
                                : before + 2 + next_symbol(decoder, context.return_step, 13);
             break;
-        default: break;
+        default:
+            break;
     }
     point.return_number = static_cast<std::uint8_t>(now & 15);
 }
@@ -159,8 +157,8 @@ void Point14Decoder::next(Point14Layers& layers, std::byte* record) {
     if (changed & 64) {
         const std::uint32_t step = next_symbol(main, context->channel_step, 3);
         channel_ = (channel_ + step + 1) & 3;
-        context = in_use_[channel_] ? contexts_[channel_].get()
-                                    : &begin_context(channel_, context->last);
+        context =
+            in_use_[channel_] ? contexts_[channel_].get() : &begin_context(channel_, context->last);
         context->last.channel = static_cast<std::uint8_t>(channel_);
     }
     const std::uint32_t time_changed = (changed >> 4) & 1;
@@ -178,15 +176,15 @@ void Point14Decoder::next(Point14Layers& layers, std::byte* record) {
     point.x = wrapping_add(point.x, dx);
     context->x_steps[steps].add(dx);
     std::uint32_t k = context->x.magnitude();
-    const std::int32_t dy = context->y.next(main, context->y_steps[steps].median(),
-                                            single + (k < 20 ? k & ~1u : 20));
+    const std::int32_t dy =
+        context->y.next(main, context->y_steps[steps].median(), single + (k < 20 ? k & ~1u : 20));
     point.y = wrapping_add(point.y, dy);
     context->y_steps[steps].add(dy);
 
     if (LazLayer& z = layer(Point14Layer::kZ); z.present) {
         k = (context->x.magnitude() + context->y.magnitude()) / 2;
-        point.z = context->z.next(z.decoder, context->heights[level],
-                                  single + (k < 18 ? k & ~1u : 18));
+        point.z =
+            context->z.next(z.decoder, context->heights[level], single + (k < 18 ? k & ~1u : 18));
         context->heights[level] = point.z;
     }
     if (LazLayer& classes = layer(Point14Layer::kClassification); classes.present) {
@@ -195,8 +193,8 @@ void Point14Decoder::next(Point14Layers& layers, std::byte* record) {
         point.classification = static_cast<std::uint8_t>(next_symbol(classes.decoder, model, 256));
     }
     if (LazLayer& flags = layer(Point14Layer::kFlags); flags.present) {
-        point.flags = static_cast<std::uint8_t>(
-            next_symbol(flags.decoder, context->flags[point.flags], 64));
+        point.flags =
+            static_cast<std::uint8_t>(next_symbol(flags.decoder, context->flags[point.flags], 64));
     }
     if (LazLayer& intensity = layer(Point14Layer::kIntensity); intensity.present) {
         std::uint16_t& last = context->intensities[kind << 1 | time_changed];

@@ -36,13 +36,13 @@ using Point14Layers = std::array<LazLayer, static_cast<std::size_t>(Point14Layer
 struct Point14 {
     std::int32_t x = 0, y = 0, z = 0;
     std::uint16_t intensity = 0;
-    std::uint8_t return_number = 0, returns = 0;   ///< 4 bits each
-    std::uint8_t flags = 0;                        ///< 4 classification flags, direction, edge
-    std::uint8_t channel = 0;                      ///< scanner channel, 0..3
+    std::uint8_t return_number = 0, returns = 0;  ///< 4 bits each
+    std::uint8_t flags = 0;                       ///< 4 classification flags, direction, edge
+    std::uint8_t channel = 0;                     ///< scanner channel, 0..3
     std::uint8_t classification = 0, user_data = 0;
     std::int16_t scan_angle = 0;
     std::uint16_t source = 0;
-    std::uint64_t gps_time = 0;                    ///< bits of a double
+    std::uint64_t gps_time = 0;  ///< bits of a double
 
     void unpack(const std::byte* record);
     void pack(std::byte* record) const;

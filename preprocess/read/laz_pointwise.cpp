@@ -7,21 +7,10 @@
 #include "preprocess/read/laz_colour.h"
 #include "preprocess/read/laz_gps_time.h"
 #include "preprocess/read/laz_integer.h"
+#include "preprocess/read/little_endian.h"
 
 namespace glowworm {
 namespace {
-
-template <typename T>
-T load(const std::byte* from) {
-    T value;
-    std::memcpy(&value, from, sizeof(T));
-    return value;
-}
-
-template <typename T>
-void store(std::byte* to, const T& value) {
-    std::memcpy(to, &value, sizeof(T));
-}
 
 /// Context of a point's differences, by number of returns and return number. Part of the format.
 constexpr std::array<std::array<std::uint8_t, 8>, 8> kReturnContext{{

@@ -6,15 +6,22 @@
 
 #include "octree/error.h"
 #include "preprocess/read/closed_formats.h"
+#include "preprocess/read/las.h"
 #include "preprocess/read/pcd.h"
 #include "preprocess/read/ply.h"
+#include "preprocess/read/ptx.h"
+#include "preprocess/read/text_table.h"
 
 namespace glowworm {
 namespace {
 
 constexpr ScanFormat kFormats[] = {
+    {"LAS", is_las, open_las},
     {"PLY", is_ply, open_ply},
     {"PCD", is_pcd, open_pcd},
+    {"PTX", is_ptx, open_ptx},
+    {"PTS", is_pts, open_pts},
+    {"XYZ text", is_text_table, open_text_table},
 };
 
 std::vector<std::byte> head_of(const InputFile& file) {
@@ -56,10 +63,15 @@ const ScanFormat* recognise_format(const std::filesystem::path& path) {
 std::unique_ptr<ScanFile> open_scan_file(const std::filesystem::path& path,
                                          const ReadSettings& settings) {
     InputFile file(path);
-    if (const ScanFormat* format = recognise_format(head_of(file))) {
+    const std::vector<std::byte> head = head_of(file);
+    if (const ScanFormat* format = recognise_format(head)) {
         return format->open(std::move(file), settings);
     }
+    if (!settings.columns.empty()) return open_text_table(std::move(file), settings);
     if (const ClosedFormat* closed = closed_format_of(path)) file.fail(how_to_export(*closed));
+    if (const std::string why = why_no_text_table(head); !why.empty()) {
+        file.fail(why + "; say what its columns mean with --columns \"x y z intensity\"");
+    }
     file.fail("it is of no kind Glowworm knows (" + format_names() +
               "); export the scan as E57, LAS, PLY or PCD");
 }
