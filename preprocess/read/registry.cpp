@@ -69,9 +69,7 @@ std::unique_ptr<ScanFile> open_scan_file(const std::filesystem::path& path,
     }
     if (!settings.columns.empty()) return open_text_table(std::move(file), settings);
     if (const ClosedFormat* closed = closed_format_of(path)) file.fail(how_to_export(*closed));
-    if (const std::string why = why_no_text_table(head); !why.empty()) {
-        file.fail(why + "; say what its columns mean with --columns \"x y z intensity\"");
-    }
+    if (const std::string why = why_no_text_table(head); !why.empty()) file.fail(why);
     file.fail("it is of no kind Glowworm knows (" + format_names() +
               "); export the scan as E57, LAS, PLY or PCD");
 }
