@@ -97,7 +97,7 @@ void NearestSearch::search(std::span<const std::uint32_t> queries, int count, fl
     indices_.resize(n * keep);
     nearest_.resize(n * keep);
     found_.assign(n, 0);
-    last_distance2_.assign(n, 0.0f);
+    bound2_of_.assign(n, 0.0f);
     if (n == 0 || keep == 0) return;
     keys_.resize(keep + 2 * kBlock);
     distance2_.resize(kBlock);
@@ -128,7 +128,7 @@ void NearestSearch::search(std::span<const std::uint32_t> queries, int count, fl
         std::copy_n(keys_.begin(), candidates_,
                     nearest_.begin() + static_cast<std::ptrdiff_t>(i * keep));
         found_[i] = candidates_;
-        last_distance2_[i] = bound2_;
+        bound2_of_[i] = bound2_;
         reach2 = std::max(reach2, bound2_);
     }
 
@@ -137,7 +137,7 @@ void NearestSearch::search(std::span<const std::uint32_t> queries, int count, fl
     for (std::size_t i = 0; i < n; ++i) {
         const Vec3f position = tree_->position(queries[i]);
         candidates_ = found_[i];
-        bound2_ = last_distance2_[i];
+        bound2_ = bound2_of_[i];
         std::copy_n(nearest_.begin() + static_cast<std::ptrdiff_t>(i * keep), candidates_,
                     keys_.begin());
         for (const Range& range : ranges_) {
@@ -152,7 +152,6 @@ void NearestSearch::search(std::span<const std::uint32_t> queries, int count, fl
         for (std::size_t j = 0; j < found_[i]; ++j) {
             indices_[i * keep + j] = static_cast<std::uint32_t>(keys_[j]);
         }
-        last_distance2_[i] = found_[i] > 0 ? key_distance2(keys_[found_[i] - 1]) : 0.0f;
     }
 }
 

@@ -27,9 +27,6 @@ class NearestSearch {
         return {indices_.data() + i * stride_, found_[i]};
     }
 
-    /// Squared distance of queries[i] to the last of found(i), m²; 0 where nothing was found.
-    float last_distance2(std::size_t i) const { return last_distance2_[i]; }
-
   private:
     struct Range {
         std::uint32_t begin, end;
@@ -43,7 +40,7 @@ class NearestSearch {
     std::size_t stride_ = 0;
     std::vector<std::uint32_t> indices_;  // [queries x stride_]
     std::vector<std::size_t> found_;      // [queries]
-    std::vector<float> last_distance2_;   // [queries]
+    std::vector<float> bound2_of_;        // [queries]
 
     // Candidates of one query: squared distance in the upper half, index in the lower, so that
     // numbers order as (distance, index) do. Distances are not negative, so their bits order them.

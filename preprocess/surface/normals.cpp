@@ -19,56 +19,13 @@ constexpr float kGrazing = -0.1f;
 /// Fewer neighbours of the own station than this tell nothing about its surface.
 constexpr std::size_t kOwnStationEnough = 5;
 
-/// Fits planes to neighbourhoods. A thread keeps one and reuses its memory.
-class NeighbourhoodFit {
-  public:
-    explicit NeighbourhoodFit(const SurfacePoints& points) : points_(&points) {}
+/// A neighbourhood this much thicker than the noise is bent: it must not grow.
+constexpr float kNoiseAlone = 1.5f;
 
-    /// The plane through point i and the `neighbours` on its side; centre relative to the point.
-    PlaneFit fit(std::size_t i, std::span<const std::uint32_t> neighbours) {
-        const Vec3f origin = points_->tree.position(i);
-        Moments own, all;
-        own.add({});
-        all.add({});
-        offsets_.clear();
-        std::size_t others = 0;
-        for (const std::uint32_t j : neighbours) {
-            const Vec3d offset = vec3_cast<double>(points_->tree.position(j) - origin);
-            offsets_.push_back(offset);
-            all.add(offset);
-            if (points_->station(j) == points_->station(i)) {
-                own.add(offset);
-            } else {
-                ++others;
-            }
-        }
-        if (others == 0 || !points_->is_viewed(i)) return fit_plane(all);
+/// Variances across and along a neighbourhood in this ratio belong to a scan line.
+constexpr double kSlender = 0.04;
 
-        // What the own station saw is on one side; the others' points join if seen from there too.
-        const bool enough = neighbours.size() - others >= kOwnStationEnough;
-        PlaneFit side = fit_plane(enough ? own : all);
-        if (enough && !side.is_planar()) side = fit_plane(all);
-        const Vec3d view = vec3_cast<double>(points_->toward_station(i));
-        const Vec3d normal = dot(side.normal, view) < 0.0 ? -side.normal : side.normal;
-        Moments front;
-        front.add({});
-        for (std::size_t m = 0; m < neighbours.size(); ++m) {
-            if (is_in_front(i, neighbours[m], normal)) front.add(offsets_[m]);
-        }
-        return fit_plane(front);
-    }
-
-  private:
-    bool is_in_front(std::size_t i, std::size_t j, const Vec3d& normal) const {
-        if (points_->station(j) == points_->station(i) || !points_->is_viewed(j)) return true;
-        const Vec3d view = vec3_cast<double>(points_->toward_station(j));
-        return dot(normal, view) > kGrazing * length(view);
-    }
-
-    const SurfacePoints* points_;
-    std::vector<Vec3d> offsets_;
-};
-
+/// The plane, of zero area where nothing determines one.
 LocalPlane to_local_plane(const PlaneFit& fit) {
     const double n = fit.weight;
     LocalPlane plane;
@@ -82,65 +39,163 @@ LocalPlane to_local_plane(const PlaneFit& fit) {
     return plane;
 }
 
-/// A fit to more points, in place of one to fewer: where the fewer determined no plane, and where
-/// the more are as thin as noise alone makes them.
-bool is_better(const LocalPlane& more, const LocalPlane& fewer, float noise) {
-    if (more.area == 0.0f) return false;
-    return fewer.area == 0.0f || more.thickness < 1.5f * noise;
-}
+/// Fits planes leaf by leaf. A thread keeps one and reuses its memory.
+class LeafFit {
+  public:
+    LeafFit(const SurfacePoints& points, const NormalSettings& settings, NeighbourTable& table,
+            std::vector<LocalPlane>& planes)
+        : points_(points),
+          settings_(settings),
+          table_(table),
+          planes_(planes),
+          search_(points.tree) {}
+
+    void fit(const PointTree::Node& leaf) {
+        fit_nearest(leaf);
+        grow_noisy();
+        widen_odd();
+    }
+
+  private:
+    /// Fits to the k nearest and sorts out who needs more.
+    void fit_nearest(const PointTree::Node& leaf) {
+        queries_.resize(leaf.count);
+        std::iota(queries_.begin(), queries_.end(), leaf.first);
+        noisy_.clear();
+        odd_.clear();
+        search_.search(queries_, settings_.k - 1, settings_.radius);
+        const auto stride = static_cast<std::size_t>(table_.count);
+        for (std::size_t q = 0; q < queries_.size(); ++q) {
+            const std::uint32_t i = queries_[q];
+            const auto found = search_.found(q);
+            std::ranges::copy(found.first(std::min(found.size(), stride)),
+                              table_.rows.begin() + static_cast<std::ptrdiff_t>(i * stride));
+            const PlaneFit plane = fit_side(i, found);
+            planes_[i] = to_local_plane(plane);
+            const bool more_are_there = found.size() + 1 == static_cast<std::size_t>(settings_.k);
+            if (!more_are_there) continue;
+            if (!is_well_shaped(plane)) {
+                odd_.push_back(i);
+            } else if (is_noisy(planes_[i])) {
+                noisy_.push_back(i);
+            }
+        }
+    }
+
+    /// Doubles the neighbourhoods whose normal the noise turns, as long as they are as thin as
+    /// noise alone makes them. The area stays that of the nearest: the last of a neighbourhood
+    /// that was chosen for being wide lies farther than chance has it.
+    void grow_noisy() {
+        for (int size = 2 * settings_.k; !noisy_.empty() && size <= settings_.max_k; size *= 2) {
+            search_.search(noisy_, size - 1, settings_.radius);
+            std::size_t still_noisy = 0;
+            for (std::size_t q = 0; q < noisy_.size(); ++q) {
+                const std::uint32_t i = noisy_[q];
+                LocalPlane plane = to_local_plane(fit_side(i, search_.found(q)));
+                if (!(plane.area > 0.0f)) continue;
+                if (plane.thickness > kNoiseAlone * settings_.range_noise) continue;
+                plane.area = planes_[i].area;
+                planes_[i] = plane;
+                if (is_noisy(plane)) noisy_[still_noisy++] = i;
+            }
+            noisy_.resize(still_noisy);
+        }
+    }
+
+    /// A stretch of one scan line needs its neighbour lines before it says anything.
+    void widen_odd() {
+        if (odd_.empty()) return;
+        search_.search(odd_, settings_.max_k - 1, settings_.radius);
+        for (std::size_t q = 0; q < odd_.size(); ++q) {
+            const LocalPlane plane = to_local_plane(fit_side(odd_[q], search_.found(q)));
+            if (plane.area > 0.0f) planes_[odd_[q]] = plane;
+        }
+    }
+
+    bool is_noisy(const LocalPlane& plane) const {
+        return plane.error_per_noise * settings_.range_noise > settings_.slope_error;
+    }
+
+    /// Wide in both directions, and by more than noise could make it.
+    bool is_well_shaped(const PlaneFit& fit) const {
+        const double noise = settings_.range_noise;
+        return fit.is_planar() && fit.width2 > kSlender * fit.length2 &&
+               fit.width2 > 4.0 * noise * noise;
+    }
+
+    /// The plane through point i and those of `neighbours` that are on its side; its centre is
+    /// relative to the point.
+    PlaneFit fit_side(std::size_t i, std::span<const std::uint32_t> neighbours) {
+        const Vec3f origin = points_.tree.position(i);
+        const bool viewed = points_.is_viewed(i);
+        const std::uint32_t station = points_.station(i);
+        Moments own, all;
+        own.add({});
+        all.add({});
+        offsets_.clear();
+        std::size_t others = 0;
+        for (const std::uint32_t j : neighbours) {
+            const Vec3d offset = vec3_cast<double>(points_.tree.position(j) - origin);
+            all.add(offset);
+            if (!viewed) continue;
+            offsets_.push_back(offset);
+            if (points_.station(j) == station) {
+                own.add(offset);
+            } else {
+                ++others;
+            }
+        }
+        if (others == 0) return fit_plane(all);
+
+        // What the own station saw is on one side; the others' points join if seen from there too.
+        const bool enough = neighbours.size() - others >= kOwnStationEnough;
+        PlaneFit side = fit_plane(enough ? own : all);
+        if (enough && !side.is_planar()) side = fit_plane(all);
+        const Vec3d view = vec3_cast<double>(points_.toward_station(i));
+        const Vec3d normal = dot(side.normal, view) < 0.0 ? -side.normal : side.normal;
+        Moments front;
+        front.add({});
+        for (std::size_t m = 0; m < neighbours.size(); ++m) {
+            if (is_in_front(i, neighbours[m], normal)) front.add(offsets_[m]);
+        }
+        return fit_plane(front);
+    }
+
+    bool is_in_front(std::size_t i, std::size_t j, const Vec3d& normal) const {
+        if (points_.station(j) == points_.station(i) || !points_.is_viewed(j)) return true;
+        const Vec3d view = vec3_cast<double>(points_.toward_station(j));
+        return dot(normal, view) > kGrazing * length(view);
+    }
+
+    const SurfacePoints& points_;
+    const NormalSettings& settings_;
+    NeighbourTable& table_;
+    std::vector<LocalPlane>& planes_;
+    NearestSearch search_;
+    std::vector<std::uint32_t> queries_, noisy_, odd_;
+    std::vector<Vec3d> offsets_;
+};
 
 }  // namespace
 
 double area_per_point(const PlaneFit& fit) {
     const double n = fit.weight;
-    return fit.area() * (n + 1.5) / ((n - 1.0) * (n - 1.0));
+    return fit.area() * (n + 0.8) / ((n - 1.0) * (n - 1.0));
 }
 
 std::vector<LocalPlane> fit_local_planes(const SurfacePoints& points,
                                          const NormalSettings& settings, NeighbourTable& table,
                                          const Progress& progress) {
     const PointTree& tree = points.tree;
-    const auto stride = static_cast<std::size_t>(table.count);
-    table.rows.assign(tree.size() * stride, kNoNeighbour);
+    table.rows.assign(tree.size() * static_cast<std::size_t>(table.count), kNoNeighbour);
     std::vector<LocalPlane> planes(tree.size());
-    const auto fit_leaf = [&](const PointTree::Node& leaf, NearestSearch& search,
-                              NeighbourhoodFit& fit, std::vector<std::uint32_t>& queries) {
-        queries.resize(leaf.count);
-        std::iota(queries.begin(), queries.end(), leaf.first);
-        for (int size = settings.k;; size = std::min(2 * size, settings.max_k)) {
-            search.search(queries, size - 1, settings.radius);
-            std::size_t unsettled = 0;
-            for (std::size_t q = 0; q < queries.size(); ++q) {
-                const std::uint32_t i = queries[q];
-                const auto found = search.found(q);
-                if (size == settings.k) {
-                    std::ranges::copy(found.first(std::min(found.size(), stride)),
-                                      table.rows.begin() + static_cast<std::ptrdiff_t>(i * stride));
-                }
-                const LocalPlane plane = to_local_plane(fit.fit(i, found));
-                const bool accepted =
-                    size == settings.k || is_better(plane, planes[i], settings.range_noise);
-                if (accepted) planes[i] = plane;
-                const bool settled = plane.area > 0.0f &&
-                                     (!accepted || plane.error_per_noise * settings.range_noise <=
-                                                       settings.slope_error);
-                const bool exhausted = found.size() + 1 < static_cast<std::size_t>(size);
-                if (!settled && !exhausted) queries[unsettled++] = i;
-            }
-            queries.resize(unsettled);
-            if (queries.empty() || size == settings.max_k) return;
-        }
-    };
-
     const std::size_t block = std::max<std::size_t>(tree.leaves.size() / 64, 1024);
     for (std::size_t begin = 0; begin < tree.leaves.size(); begin += block) {
         const std::size_t end = std::min(begin + block, tree.leaves.size());
         tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end, 64), [&](const auto& range) {
-            NearestSearch search(tree);
-            NeighbourhoodFit fit(points);
-            std::vector<std::uint32_t> queries;
+            LeafFit leaf_fit(points, settings, table, planes);
             for (std::size_t l = range.begin(); l < range.end(); ++l) {
-                fit_leaf(tree.nodes[tree.leaves[l]], search, fit, queries);
+                leaf_fit.fit(tree.nodes[tree.leaves[l]]);
             }
         });
         if (progress) {

@@ -15,26 +15,34 @@ namespace {
 
 constexpr std::size_t kSample = 8192;
 
-/// Points that leave a quadric some freedom to be judged by.
+/// Points that leave a quadric some freedom to be judged by, and times as many as a second opinion:
+/// where the fewer lie on one scan line, noise passes for their width and leaves no residual.
 constexpr int kFewest = 16;
+constexpr int kSecondOpinion = 4;
 
 /// Parameters of a quadric over a plane: 1, u, v, u², uv, v².
 constexpr int kTerms = 6;
 
+Moments moments_of(const PointTree& tree, std::uint32_t i,
+                   std::span<const std::uint32_t> neighbours) {
+    Moments moments;
+    moments.add({});
+    for (const std::uint32_t j : neighbours) {
+        moments.add(vec3_cast<double>(tree.position(j) - tree.position(i)));
+    }
+    return moments;
+}
+
 /// rms distance, with kTerms degrees of freedom taken out, of the points from the quadric fitted to
 /// them, m; negative where it is not determined.
 double quadric_residual(const PointTree& tree, std::uint32_t i,
-                        std::span<const std::uint32_t> neighbours) {
+                        std::span<const std::uint32_t> neighbours, const PlaneFit& plane) {
     const Vec3f origin = tree.position(i);
     const auto offset = [&](std::uint32_t j) {
         return vec3_cast<double>(tree.position(j) - origin);
     };
-    Moments moments;
-    moments.add({});
-    for (const std::uint32_t j : neighbours)
-        moments.add(offset(j));
-    const PlaneFit plane = fit_plane(moments);
-    if (!plane.is_planar() || neighbours.size() + 1 < 2 * kTerms) return -1.0;
+    const double count = static_cast<double>(neighbours.size()) + 1.0;
+    if (!plane.is_planar() || count < 2 * kTerms) return -1.0;
 
     const Vec3d axis = std::abs(plane.normal.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
     const double scale = 1.0 / std::sqrt(plane.length2);
@@ -57,14 +65,14 @@ double quadric_residual(const PointTree& tree, std::uint32_t i,
     for (const std::uint32_t j : neighbours)
         add(offset(j));
     for (int c = 0; c < kTerms; ++c) {
-        if (!(a[c][c] > 1e-9 * moments.weight)) return -1.0;
+        if (!(a[c][c] > 1e-9 * count)) return -1.0;
         for (int r = c + 1; r <= kTerms; ++r) {
             const double factor = a[r][c] / a[c][c];
             for (int d = c + 1; d <= r; ++d)
                 a[r][d] -= factor * a[d][c];
         }
     }
-    return std::sqrt(std::max(a[kTerms][kTerms], 0.0) / (moments.weight - kTerms));
+    return std::sqrt(std::max(a[kTerms][kTerms], 0.0) / (count - kTerms));
 }
 
 /// The value below which `share` of `values` lie; 0 where there are none.
@@ -94,9 +102,16 @@ CloudScale measure_scale(const PointTree& tree, int k) {
     tbb::parallel_for(std::size_t{0}, sample, [&](std::size_t s) {
         const auto i = static_cast<std::uint32_t>(s * tree.size() / sample);
         NearestSearch search(tree);
-        search.search({&i, 1}, k - 1, std::numeric_limits<float>::infinity());
-        distances[s] = std::sqrt(search.last_distance2(0));
-        residuals[s] = quadric_residual(tree, i, search.found(0));
+        search.search({&i, 1}, kSecondOpinion * k - 1, std::numeric_limits<float>::infinity());
+        const auto many = search.found(0);
+        const auto few = many.first(std::min(many.size(), static_cast<std::size_t>(k) - 1));
+        distances[s] = length(tree.position(few.back()) - tree.position(i));
+        const PlaneFit wide = fit_plane(moments_of(tree, i, many));
+        const PlaneFit close = fit_plane(moments_of(tree, i, few));
+        const bool agree =
+            close.width2 > 0.05 * close.length2 && std::abs(dot(wide.normal, close.normal)) > 0.8;
+        residuals[s] =
+            agree ? quadric_residual(tree, i, few, close) : quadric_residual(tree, i, many, wide);
     });
     std::erase_if(residuals, [](double r) { return r < 0.0; });
     scale.reach = static_cast<float>(quantile(distances, 0.95));
