@@ -23,20 +23,20 @@ enum class PriorMode {
 
 struct RegistrationSettings {
     PriorMode mode = PriorMode::kRefine;
-    std::optional<Poses> prior;   ///< a poses.json; goes before the poses in the files
-    bool upright = false;         ///< scanners are levelled: only yaw and position are sought
-    double voxel_size = 0.0;      ///< m, of the coarse surface samples; 0: from the scans' extent
-    std::uint32_t max_scans = 1000;            ///< more is refused with a sentence
-    std::uint32_t candidates_per_scan = 8;     ///< partners tried per scan where there are many
+    std::optional<Poses> prior;  ///< a poses.json; goes before the poses in the files
+    bool upright = false;        ///< scanners are levelled: only yaw and position are sought
+    double voxel_size = 0.0;     ///< m, of the coarse surface samples; 0: from the scans' extent
+    std::uint32_t max_scans = 1000;         ///< more is refused with a sentence
+    std::uint32_t candidates_per_scan = 8;  ///< partners tried per scan where there are many
     std::vector<std::pair<std::size_t, std::size_t>> pairs;  ///< known pairs; empty: sought
 };
 
 struct Registration {
     Poses poses;
-    double voxel_size = 0;           ///< m, used
+    double voxel_size = 0;  ///< m, used
     std::size_t pairs_tried = 0;
     std::size_t unregistered = 0;
-    std::size_t weak = 0;            ///< scans with a weak axis
+    std::size_t weak = 0;  ///< scans with a weak axis
 
     /// Every scan is placed and held in every direction: else the command ends with exit code 5.
     bool trustworthy() const { return unregistered == 0 && weak == 0; }

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
+#include <vector>
+
+#include "preprocess/depth_image.h"
+#include "preprocess/kd_tree.h"
+#include "preprocess/scan.h"
+
+namespace glowworm {
+
+inline Eigen::Vector3f to_eigen(const Vec3f& v) {
+    return {v.x, v.y, v.z};
+}
+inline Vec3f to_vec3(const Eigen::Vector3f& v) {
+    return {v.x(), v.y(), v.z()};
+}
+
+/// Even samples of a scan's surface, each smoothed along its normal onto the plane through its
+/// neighbours: columns of equal length.
+struct SurfaceSamples {
+    double spacing = 0;            ///< m, edge of the thinning voxels
+    std::vector<Vec3f> positions;  ///< m, station frame
+    std::vector<Vec3f> normals;    ///< unit, toward the scanner where there is one
+    KdTree tree;                   ///< over positions
+
+    std::size_t size() const { return positions.size(); }
+};
+
+/// Distinctive places and what the surface around them looks like.
+struct Keypoints {
+    std::vector<Vec3f> positions;                                           ///< m, station frame
+    std::vector<Vec3f> normals;                                             ///< unit
+    Eigen::Matrix<float, Eigen::Dynamic, 33, Eigen::RowMajor> descriptors;  ///< [n, 33]
+
+    std::size_t size() const { return positions.size(); }
+};
+
+/// What registration knows of one scan.
+struct ScanModel {
+    SurfaceSamples coarse;             ///< at the voxel size v
+    SurfaceSamples fine;               ///< at v / 2
+    Keypoints keypoints;               ///< empty until described
+    std::optional<DepthImage> depths;  ///< where the scan has a viewpoint
+    Vec3f viewpoint;                   ///< m, the scanner's place among the positions
+};
+
+/// Samples of `positions` at `spacing` metres with normals from a plane fit to their neighbours.
+/// Samples without enough neighbours are left out. Normals face `viewpoint` where it is given, else
+/// they agree with their neighbours' and, as far as they can, point away from the middle.
+SurfaceSamples sample_surface(std::span<const Vec3f> positions, double spacing,
+                              const std::optional<Vec3f>& viewpoint);
+
+/// The model of a scan at the voxel size `spacing` metres, without keypoints.
+ScanModel model_scan(const Scan& scan, double spacing);
+
+/// A voxel size, m, that leaves about `samples` coarse samples of the median scan.
+double choose_voxel_size(std::span<const Scan> scans, std::size_t samples = 9000);
+
+}  // namespace glowworm
