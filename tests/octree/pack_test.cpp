@@ -23,7 +23,8 @@ TEST(Morton, DecodeIsTheInverseOfEncode) {
 TEST(Morton, EveryBitStandsWhereTheLoopPutsIt) {
     std::mt19937 random(2);
     for (int i = 0; i < 1000; ++i) {
-        const CellIndex cell{random() & 0x1fffff, random() & 0x1fffff, random() & 0x1fffff};
+        const auto axis = [&] { return static_cast<std::uint32_t>(random() & 0x1fffff); };
+        const CellIndex cell{axis(), axis(), axis()};
         std::uint64_t code = 0;
         for (int bit = 0; bit < 21; ++bit) {
             code |= std::uint64_t{cell.x >> bit & 1} << (3 * bit) |

@@ -1,0 +1,203 @@
+// Points per second from a binary PLY on disk to a closed, checksummed .svo, beside the physical
+// limit in the same run: read the file, radix-sort 64-bit keys with their payload, write the result
+// once. Usage: build_octree [millions of points] [repeats] [folder]
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "octree/atomic_file.h"
+#include "octree/build.h"
+#include "octree/check.h"
+#include "octree/radix_sort.h"
+#include "octree/statistics.h"
+
+namespace {
+
+using namespace glowworm;
+namespace fs = std::filesystem;
+
+#pragma pack(push, 1)
+struct PlyPoint {
+    float position[3], normal[3];
+    std::uint8_t colour[3];
+    float radius;
+};
+#pragma pack(pop)
+
+/// A bumpy chamber of 8 m, points in the order of a scanner's sweeps.
+void write_cave(const fs::path& path, std::size_t count) {
+    std::ofstream stream(path, std::ios::binary);
+    stream
+        << "ply\nformat binary_little_endian 1.0\nelement vertex " << count
+        << "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty "
+           "float ny\nproperty float nz\nproperty uchar red\nproperty uchar green\nproperty uchar "
+           "blue\nproperty float radius\nend_header\n";
+    std::mt19937 random(1);
+    std::normal_distribution<float> noise(0.0f, 0.003f);
+    std::vector<PlyPoint> batch;
+    const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+    for (std::size_t i = 0; i < count; ++i) {
+        // Four stations sweep the same surface one after the other.
+        const double t =
+            static_cast<double>(i % (count / 4 + 1)) / static_cast<double>(count / 4 + 1);
+        const double z = 1.0 - 2.0 * t, angle = golden * static_cast<double>(i);
+        const double flat = std::sqrt(std::max(0.0, 1.0 - z * z));
+        const Vec3d d{flat * std::cos(angle), flat * std::sin(angle), z};
+        const double r =
+            4.0 + 0.3 * std::sin(9.0 * d.x) * std::sin(7.0 * d.y) * std::cos(8.0 * d.z);
+        const Vec3f p = vec3_cast<float>(d * r);
+        const float radius = static_cast<float>(8.0 / std::sqrt(static_cast<double>(count)));
+        batch.push_back(
+            {{p.x + noise(random), p.y + noise(random), p.z + noise(random)},
+             {static_cast<float>(-d.x), static_cast<float>(-d.y), static_cast<float>(-d.z)},
+             {120, 100, 80},
+             radius});
+        if (batch.size() == 65536 || i + 1 == count) {
+            stream.write(reinterpret_cast<const char*>(batch.data()),
+                         static_cast<std::streamsize>(batch.size() * sizeof(PlyPoint)));
+            batch.clear();
+        }
+    }
+}
+
+std::vector<char> read_file(const fs::path& path) {
+    std::vector<char> bytes(fs::file_size(path));
+    const int file = ::open(path.c_str(), O_RDONLY);
+    std::size_t done = 0;
+    while (done < bytes.size()) {
+        const ssize_t got = ::read(file, bytes.data() + done, bytes.size() - done);
+        if (got <= 0) std::abort();
+        done += static_cast<std::size_t>(got);
+    }
+    ::close(file);
+    return bytes;
+}
+
+std::size_t header_size(const std::vector<char>& bytes) {
+    constexpr std::string_view kEnd = "end_header\n";
+    return std::string_view(bytes.data(), 1000).find(kEnd) + kEnd.size();
+}
+
+SurfelCloud read_cave(const fs::path& path) {
+    const std::vector<char> bytes = read_file(path);
+    const char* data = bytes.data() + header_size(bytes);
+    const std::size_t count = (bytes.size() - header_size(bytes)) / sizeof(PlyPoint);
+    SurfelCloud cloud;
+    cloud.stations.resize(1);
+    cloud.surfels.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        PlyPoint p;
+        std::memcpy(&p, data + i * sizeof p, sizeof p);
+        Surfel& s = cloud.surfels[i];
+        s.position = {p.position[0], p.position[1], p.position[2]};
+        s.normal = {p.normal[0], p.normal[1], p.normal[2]};
+        s.radius = p.radius;
+        s.albedo = {0.2f, 0.15f, 0.1f};
+    }
+    return cloud;
+}
+
+double seconds(const auto& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// The least that any such program must do.
+void touch_the_limit(const fs::path& input, const fs::path& output) {
+    const std::vector<char> bytes = read_file(input);
+    const std::size_t start = header_size(bytes);
+    const std::size_t count = (bytes.size() - start) / sizeof(PlyPoint);
+    std::vector<CodeIndex> entries(count);
+    Grid grid;
+    grid.cube_min = {-5, -5, -5};
+    grid.cube_edge = 10;
+    for (std::size_t i = 0; i < count; ++i) {
+        float p[3];
+        std::memcpy(p, bytes.data() + start + i * sizeof(PlyPoint), sizeof p);
+        entries[i] = {grid.code_of({p[0], p[1], p[2]}), static_cast<std::uint32_t>(i), 0};
+    }
+    radix_sort(entries);
+    std::vector<char> sorted(count * sizeof(PlyPoint));
+    for (std::size_t i = 0; i < count; ++i) {
+        std::memcpy(sorted.data() + i * sizeof(PlyPoint),
+                    bytes.data() + start + entries[i].index * sizeof(PlyPoint), sizeof(PlyPoint));
+    }
+    AtomicFile file(output);
+    file.write(sorted.data(), sorted.size());
+    file.commit();
+}
+
+double median(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const double millions = argc > 1 ? std::atof(argv[1]) : 1.4;
+    const int repeats = argc > 2 ? std::atoi(argv[2]) : 3;
+    const fs::path folder = argc > 3 ? fs::path(argv[3]) : fs::temp_directory_path();
+    const auto count = static_cast<std::size_t>(millions * 1e6);
+    const fs::path ply = folder / "bench_cave.ply", svo = folder / "bench_cave.svo";
+    write_cave(ply, count);
+
+    std::vector<double> limit, reading, building, writing, whole;
+    for (int i = 0; i < repeats; ++i) {
+        limit.push_back(seconds([&] { touch_the_limit(ply, svo); }));
+        SurfelCloud cloud;
+        Octree octree;
+        reading.push_back(seconds([&] { cloud = read_cave(ply); }));
+        building.push_back(seconds([&] { octree = build_octree(cloud); }));
+        writing.push_back(seconds([&] { write_octree_file(octree.view(), svo); }));
+        whole.push_back(reading.back() + building.back() + writing.back());
+    }
+    const double points = static_cast<double>(count);
+    std::printf("%.1f M points, medians of %d\n", millions, repeats);
+    std::printf("  limit (read, sort, write)  %6.2f s  %5.1f M points/s\n", median(limit),
+                points / median(limit) * 1e-6);
+    std::printf("  read %.2f s, build %.2f s, write %.2f s\n", median(reading), median(building),
+                median(writing));
+    std::printf("  whole                      %6.2f s  %5.1f M points/s, %.2f of the limit\n",
+                median(whole), points / median(whole) * 1e-6, median(whole) / median(limit));
+
+    std::vector<double> opening, info;
+    OctreeStatistics statistics;
+    for (int i = 0; i < 5; ++i) {
+        opening.push_back(seconds([&] { OctreeFile::open(svo); }));
+        info.push_back(seconds([&] {
+            const OctreeFile file = OctreeFile::open(svo);
+            statistics = measure_octree(file.view(), file.bytes());
+        }));
+    }
+    std::printf("  open %.3f ms, info %.1f ms; %llu bytes, %.1f a point, %.1f a leaf, depth %u\n",
+                median(opening) * 1e3, median(info) * 1e3,
+                static_cast<unsigned long long>(statistics.bytes),
+                static_cast<double>(statistics.bytes) / points, statistics.bytes_per_leaf,
+                statistics.grid.depth);
+    const double checking = seconds([&] {
+        for (const std::string& failure : check_octree_file(svo))
+            std::printf("%s\n", failure.c_str());
+    });
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    std::printf("  check %.2f s; peak memory of all of this %ld MB\n", checking,
+                usage.ru_maxrss / 1024);
+    fs::remove(ply);
+    fs::remove(svo);
+}
