@@ -13,8 +13,8 @@ struct SelectionSettings {
     /// Pixels between drawn surfels, > 0: what lies closer together is thinned to this.
     float quality = 0.7f;
     /// Drawn radius over stored radius, >= 1. A stored radius is that of the surfel's share of the
-    /// surface; discs of random points close over their gaps at about 2.5 (coverage 1 - exp(-k^2)).
-    float splat_scale = 2.5f;
+    /// surface; discs of random points leave exp(-k^2) of it uncovered.
+    float splat_scale = 3.0f;
 };
 
 /// The first `count` surfels of a chunk, an even subsample, each grown to close the gaps.
