@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -23,30 +22,6 @@ namespace {
 constexpr std::size_t kGrain = 16384;
 constexpr double kCubeMargin = 1.0 + 1.0 / 32.0;
 
-bool usable(const Surfel& s) {
-    const float length_squared = dot(s.normal, s.normal);
-    return is_finite(s.position) && std::isfinite(length_squared) && length_squared > 1e-12f &&
-           is_finite(s.albedo) && is_finite(s.emission) && std::isfinite(s.ndf_length) &&
-           !std::isnan(s.radius);
-}
-
-bool in_range(const Surfel& s) {
-    const auto unit_interval = [](float v) { return v >= 0.0f && v <= 1.0f; };
-    return std::abs(dot(s.normal, s.normal) - 1.0f) < 1e-3f && s.radius > 0.0f &&
-           std::isfinite(s.radius) && s.ndf_length > 0.0f && s.ndf_length <= 1.0f &&
-           unit_interval(s.albedo.x) && unit_interval(s.albedo.y) && unit_interval(s.albedo.z) &&
-           s.emission.x >= 0.0f && s.emission.y >= 0.0f && s.emission.z >= 0.0f;
-}
-
-void repair(Surfel& s, float default_radius) {
-    const auto unit_interval = [](float v) { return std::clamp(v, 0.0f, 1.0f); };
-    s.normal = normalized(s.normal);
-    if (!(s.radius > 0.0f) || !std::isfinite(s.radius)) s.radius = default_radius;
-    s.ndf_length = std::clamp(s.ndf_length, 1.0f / 255.0f, 1.0f);
-    s.albedo = {unit_interval(s.albedo.x), unit_interval(s.albedo.y), unit_interval(s.albedo.z)};
-    s.emission = component_max(s.emission, Vec3f{});
-}
-
 /// Codes of all usable surfels, sorted.
 std::vector<CodeIndex> sorted_codes(std::span<const Surfel> surfels, const CloudSummary& summary,
                                     const Grid& grid) {
@@ -59,7 +34,7 @@ std::vector<CodeIndex> sorted_codes(std::span<const Surfel> surfels, const Cloud
                           }
                       });
     if (summary.dropped > 0) {
-        std::erase_if(order, [&](const CodeIndex& e) { return !usable(surfels[e.index]); });
+        std::erase_if(order, [&](const CodeIndex& e) { return !is_usable(surfels[e.index]); });
     }
     radix_sort(order);
     return order;
@@ -95,10 +70,21 @@ void pack_surfels(std::span<const Surfel> surfels, std::span<const CodeIndex> or
     });
 }
 
+/// Of a tile's own points; zero where it has none.
+void find_bounds(std::span<const Surfel> surfels, std::span<const CodeIndex> own, Octree& octree) {
+    octree.bounds_min = octree.bounds_max = {};
+    if (own.empty()) return;
+    octree.bounds_min = octree.bounds_max = surfels[own.front().index].position;
+    for (const CodeIndex& entry : own) {
+        const Vec3f& p = surfels[entry.index].position;
+        octree.bounds_min = component_min(octree.bounds_min, p);
+        octree.bounds_max = component_max(octree.bounds_max, p);
+    }
+}
+
 std::uint32_t automatic_depth(const CloudSummary& summary, double cube_edge,
                               const BuildSettings& settings) {
-    const double spacing = std::sqrt(std::numbers::pi) * summary.median_radius;
-    const double smallest = spacing * std::sqrt(settings.samples_per_face);
+    const double smallest = summary.median_spacing() * std::sqrt(settings.samples_per_face);
     std::uint32_t depth = 1;
     while (depth < settings.deepest_automatic && cube_edge / (2u << depth) >= smallest)
         ++depth;
@@ -106,50 +92,6 @@ std::uint32_t automatic_depth(const CloudSummary& summary, double cube_edge,
 }
 
 }  // namespace
-
-CloudSummary summarize(std::span<const Surfel> surfels) {
-    constexpr float kFar = std::numeric_limits<float>::max();
-    CloudSummary start;
-    start.bounds_min = {kFar, kFar, kFar};
-    start.bounds_max = {-kFar, -kFar, -kFar};
-    CloudSummary summary = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, surfels.size(), kGrain), start,
-        [&](const auto& range, CloudSummary sum) {
-            for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                if (!usable(surfels[i])) {
-                    ++sum.dropped;
-                    continue;
-                }
-                ++sum.usable;
-                sum.bounds_min = component_min(sum.bounds_min, surfels[i].position);
-                sum.bounds_max = component_max(sum.bounds_max, surfels[i].position);
-                sum.needs_repair |= !in_range(surfels[i]);
-            }
-            return sum;
-        },
-        [](CloudSummary a, const CloudSummary& b) {
-            a.usable += b.usable;
-            a.dropped += b.dropped;
-            a.needs_repair |= b.needs_repair;
-            a.bounds_min = component_min(a.bounds_min, b.bounds_min);
-            a.bounds_max = component_max(a.bounds_max, b.bounds_max);
-            return a;
-        });
-
-    constexpr std::size_t kRadiusSamples = 65536;
-    std::vector<float> radii;
-    const std::size_t stride = surfels.size() / kRadiusSamples + 1;
-    for (std::size_t i = 0; i < surfels.size(); i += stride) {
-        const float radius = surfels[i].radius;
-        if (usable(surfels[i]) && radius > 0.0f && std::isfinite(radius)) radii.push_back(radius);
-    }
-    if (!radii.empty()) {
-        const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
-        std::nth_element(radii.begin(), middle, radii.end());
-        summary.median_radius = *middle;
-    }
-    return summary;
-}
 
 Grid fit_grid(const CloudSummary& summary, const Vec3d& origin, const BuildSettings& settings) {
     if (settings.grid) return *settings.grid;
@@ -212,40 +154,58 @@ Octree build_octree(const SurfelCloud& cloud, const BuildSettings& settings,
         throw Error(ExitCode::kBudget,
                     "more than 4294967295 points do not fit one octree; build tiles");
     }
+    const OctreeCell tile = settings.tile.value_or(OctreeCell{});
+    if (settings.tile && (!settings.grid || tile.level > settings.grid->depth ||
+                          tile.code >> (3 * tile.level) != 0)) {
+        throw Error(ExitCode::kUsage,
+                    "a tile must be a cell of a given grid, not below its leaves");
+    }
+
+    if (settings.tile && summary.radius_missing) {
+        throw Error(ExitCode::kUsage,
+                    "some points have no radius, and a tile cannot know the whole cloud's spacing; "
+                    "run `glowworm surface` on the cloud first");
+    }
 
     // 1. Grid and order. Without any radius the spacing has to come from the order first.
     Octree octree;
-    std::span<const Surfel> surfels = cloud.surfels;
     octree.grid = fit_grid(summary, cloud.origin, settings);
+    std::span<const Surfel> surfels = cloud.surfels;
     const std::vector<CodeIndex> order = sorted_codes(surfels, summary, octree.grid);
     std::vector<Surfel> repaired;
     if (summary.needs_repair) {
         if (summary.median_radius == 0.0) {
             summary.median_radius = radius_from_spacing(order, octree.grid);
+            summary.largest_radius = summary.median_radius;
             octree.grid.depth = fit_grid(summary, cloud.origin, settings).depth;
         }
         repaired.assign(surfels.begin(), surfels.end());
         for (Surfel& s : repaired)
-            repair(s, static_cast<float>(summary.median_radius));
+            repair(s, summary.median_radius);
         surfels = repaired;
     }
     report(1);
 
     // 2. Leaves, and the levels over them.
-    const Leaves leaves = voxelize(surfels, order, octree.grid);
+    Leaves leaves = voxelize(surfels, order, octree.grid, summary.largest_radius, tile);
+    if (leaves.codes.empty()) {
+        throw Error(ExitCode::kDegenerate, "the tile has no points and no surface");
+    }
     report(3);
     NodeTree tree = build_nodes(octree.grid, leaves.codes, leaves.lobe_counts, leaves.lobes);
     octree.levels = std::move(tree.levels);
     octree.nodes = std::move(tree.nodes);
     octree.attributes = std::move(tree.attributes);
-    octree.lobes = leaves.lobes;
+    octree.lobes = std::move(leaves.lobes);
 
     // 3. Points.
-    pack_surfels(surfels, order, octree);
+    const std::span<const CodeIndex> own = entries_in(order, tile);
+    pack_surfels(surfels, own, octree);
+    octree.sample_count = own.size();
+    octree.dropped_count = tile.code == 0 ? summary.dropped : 0;
     octree.bounds_min = summary.bounds_min;
     octree.bounds_max = summary.bounds_max;
-    octree.sample_count = summary.usable;
-    octree.dropped_count = summary.dropped;
+    if (tile.level > 0) find_bounds(surfels, own, octree);
     octree.provenance = settings.provenance;
     write_tables(cloud.stations, cloud.area_lights, octree);
     report(5);

@@ -5,6 +5,8 @@
 #include <span>
 #include <string>
 
+#include "octree/cloud_summary.h"
+#include "octree/morton.h"
 #include "octree/octree.h"
 #include "octree/progress.h"
 #include "octree/surfel.h"
@@ -21,19 +23,12 @@ struct BuildSettings {
     /// A grid fixed elsewhere, for tiles of one cave; then the fields above are not looked at. What
     /// lies outside is moved to the cube's side.
     std::optional<Grid> grid = {};
+    /// Only this cell of `grid`, which must be given and at least as deep: its points and leaves,
+    /// and what discs from outside lay into them. Tiles join to the same bytes as one build; what
+    /// is dropped is counted by the tile with code 0.
+    std::optional<OctreeCell> tile = {};
     std::string provenance = "{}";  ///< JSON to keep in the file: command, version, inputs
 };
-
-/// What the samples of a cloud say before anything is built.
-struct CloudSummary {
-    Vec3f bounds_min, bounds_max;  ///< m, relative to the cloud's origin
-    std::uint64_t usable = 0;      ///< surfels that will be built from
-    std::uint64_t dropped = 0;     ///< not finite, or without a normal
-    bool needs_repair = false;     ///< a radius is missing or a value out of its range
-    double median_radius = 0.0;    ///< m, of those that have one; 0 where none has
-};
-
-CloudSummary summarize(std::span<const Surfel> surfels);
 
 /// The root cube, 1/32 larger than the bounds and centred on them, and the depth. Throws Error
 /// (kUsage) where depth and voxel size do not fit each other or the bounds.

@@ -228,6 +228,7 @@ Chunk pack_chunk(std::span<const Surfel> surfels, std::span<const CodeIndex> ran
 
     std::vector<Coded> coded(range.size());
     for (std::size_t i = 0; i < range.size(); ++i) {
+        if (i + kPrefetchAhead < range.size()) prefetch(&surfels[range[i + kPrefetchAhead].index]);
         const Surfel& s = surfels[range[i].index];
         const Vec3d at = grid.finest_coordinates(vec3_cast<double>(s.position)) * steps;
         const auto axis = [](double v, std::uint32_t cell) {
@@ -235,7 +236,7 @@ Chunk pack_chunk(std::span<const Surfel> surfels, std::span<const CodeIndex> ran
                                               (std::uint64_t{cell} << kCodeLevels));
         };
         const std::uint32_t x = axis(at.x, box.x), y = axis(at.y, box.y), z = axis(at.z, box.z);
-        const auto ndf = static_cast<std::uint32_t>(std::nearbyint(s.ndf_length * 255.0f));
+        const auto ndf = static_cast<std::uint32_t>(round_to_int(s.ndf_length * 255.0f));
         coded[i] = {
             morton_encode({x, y, z}),
             {x | y << 16, z | std::uint32_t{pack_half(s.radius)} << 16, pack_octahedral(s.normal),

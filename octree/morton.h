@@ -50,4 +50,18 @@ constexpr std::uint64_t code_at_level(std::uint64_t full_code, std::uint32_t lev
     return full_code >> (3 * (kMortonLevels - level));
 }
 
+/// A cell of the octree at some level; the root by default.
+struct OctreeCell {
+    std::uint32_t level = 0;
+    std::uint64_t code = 0;  ///< Morton code at that level
+
+    /// Full codes (of level 21) inside are [first_code, end_code).
+    constexpr std::uint64_t first_code() const { return code << 3 * (kMortonLevels - level); }
+    constexpr std::uint64_t end_code() const { return (code + 1) << 3 * (kMortonLevels - level); }
+    constexpr bool holds(std::uint64_t full_code) const {
+        return code_at_level(full_code, level) == code;
+    }
+    friend constexpr bool operator==(const OctreeCell&, const OctreeCell&) = default;
+};
+
 }  // namespace glowworm

@@ -13,11 +13,17 @@ namespace glowworm {
 // The small encodings of the file: what a shader reads back with unpackSnorm2x16, unpackHalf2x16
 // and a few shifts. All round to nearest, ties to even where they can occur.
 
+/// The nearest integer, ties to even, for |v| < 2^22: without a call into the maths library.
+inline std::int32_t round_to_int(float v) {
+    constexpr float kShift = 12582912.0f;  // 1.5 · 2^23: the unit is the mantissa's last bit
+    return std::bit_cast<std::int32_t>(v + kShift) - 0x4b400000;
+}
+
 /// Two values in [-1, 1] as 16-bit snorm, x in the low half (GLSL packSnorm2x16).
 inline std::uint32_t pack_snorm2x16(float x, float y) {
     const auto one = [](float v) {
-        const float scaled = std::nearbyint(std::clamp(v, -1.0f, 1.0f) * 32767.0f);
-        return static_cast<std::uint32_t>(static_cast<std::uint16_t>(static_cast<int>(scaled)));
+        const std::int32_t scaled = round_to_int(std::clamp(v, -1.0f, 1.0f) * 32767.0f);
+        return static_cast<std::uint32_t>(static_cast<std::uint16_t>(scaled));
     };
     return one(x) | one(y) << 16;
 }

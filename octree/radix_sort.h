@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -17,5 +18,14 @@ static_assert(sizeof(CodeIndex) == 16);
 /// the same on any number of threads. Needs as much memory again while it runs. Linear in the
 /// number of entries: byte by byte from the low end, bytes that all codes share are passed over.
 void radix_sort(std::vector<CodeIndex>& entries);
+
+/// Surfels are read in sorted order, wherever they lie: how far ahead to ask for them.
+inline constexpr std::size_t kPrefetchAhead = 24;
+
+/// Asks for the two cache lines that a 64-byte record may span.
+inline void prefetch(const void* record) {
+    __builtin_prefetch(record);
+    __builtin_prefetch(static_cast<const char*>(record) + 63);
+}
 
 }  // namespace glowworm

@@ -66,6 +66,7 @@ class Splatter {
                     Vec3d{1.0, 1.0, 1.0} * static_cast<double>(grid.cube_edge)) {}
 
     const Surfel& surfel(std::uint32_t index) const { return surfels_[index]; }
+    void expect(std::uint32_t index) const { prefetch(&surfels_[index]); }
     Splat splat(std::uint32_t index) const { return splat_of(surfels_[index], voxel_); }
 
     /// What sticks out of the root cube is moved to its side: area is conserved.
@@ -95,21 +96,25 @@ class Splatter {
     Vec3d cube_max_;
 };
 
-/// A piece that fell into another leaf than its surfel's own: code of that leaf, surfel, piece.
+/// Pieces that fell into another leaf of `tile` than their surfel's own: that leaf's code, the
+/// surfel, the piece.
 std::vector<CodeIndex> collect_strays(const Splatter& splatter, std::span<const CodeIndex> order,
-                                      const Grid& grid) {
+                                      const Grid& grid, const OctreeCell& tile) {
+    const std::uint32_t tile_shift = 3 * (grid.depth - tile.level);
     const std::size_t blocks = (order.size() + kBlock - 1) / kBlock;
     std::vector<std::vector<CodeIndex>> found(blocks);
     tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
         const std::size_t end = std::min(order.size(), (block + 1) * kBlock);
         for (std::size_t i = block * kBlock; i < end; ++i) {
+            if (i + kPrefetchAhead < end) splatter.expect(order[i + kPrefetchAhead].index);
             const Splat splat = splatter.splat(order[i].index);
             if (splat.pieces == 1) continue;
             const Surfel& surfel = splatter.surfel(order[i].index);
             const std::uint64_t own = code_at_level(order[i].code, grid.depth);
             for (std::uint32_t piece = 1; piece < splat.pieces; ++piece) {
                 const std::uint64_t leaf = splatter.leaf_of(splatter.place(surfel, splat, piece));
-                if (leaf != own) found[block].push_back({leaf, order[i].index, piece});
+                if (leaf != own && leaf >> tile_shift == tile.code)
+                    found[block].push_back({leaf, order[i].index, piece});
             }
         }
     });
@@ -143,6 +148,7 @@ Leaves sweep(const Splatter& splatter, std::span<const CodeIndex> order,
         const std::uint64_t code = std::min(own, s < strays.size() ? strays[s].code : kNone);
         leaf.begin(grid.cell_min(morton_decode(code), depth), voxel);
         for (; i < order.size() && code_at_level(order[i].code, depth) == code; ++i) {
+            if (i + kPrefetchAhead < order.size()) splatter.expect(order[i + kPrefetchAhead].index);
             const Surfel& surfel = splatter.surfel(order[i].index);
             const Splat splat = splatter.splat(order[i].index);
             for (std::uint32_t piece = 0; piece < splat.pieces; ++piece) {
@@ -177,7 +183,8 @@ Splat splat_of(const Surfel& surfel, double voxel) {
     const double radius = surfel.radius;
     Splat splat;
     splat.area = std::numbers::pi * radius * radius;
-    splat.radius = radius * std::clamp(kWiden * std::sqrt(splat.area) / voxel, 1.0, 2.0);
+    const double side = radius / std::numbers::inv_sqrtpi;  // sqrt(area)
+    splat.radius = radius * std::clamp(kWiden * side / voxel, 1.0, 2.0);
     // Pieces are sqrt(pi R² / n) apart; half a voxel at most.
     const double needed = 4.0 * std::numbers::pi * splat.radius * splat.radius / (voxel * voxel);
     while (splat.pieces < needed && splat.rings < kMaxSplatRings) {
@@ -200,10 +207,24 @@ Vec3d piece_position(const Surfel& surfel, const Splat& splat, std::uint32_t pie
     return position + tangent * (at.u * splat.radius) + bitangent * (at.v * splat.radius);
 }
 
-Leaves voxelize(std::span<const Surfel> surfels, std::span<const CodeIndex> order,
-                const Grid& grid) {
+std::span<const CodeIndex> entries_in(std::span<const CodeIndex> order, const OctreeCell& tile) {
+    const auto before = [](const CodeIndex& entry, std::uint64_t code) {
+        return entry.code < code;
+    };
+    const auto begin = std::lower_bound(order.begin(), order.end(), tile.first_code(), before);
+    return {begin, std::lower_bound(begin, order.end(), tile.end_code(), before)};
+}
+
+Leaves voxelize(std::span<const Surfel> surfels, std::span<const CodeIndex> all, const Grid& grid,
+                double largest_radius, const OctreeCell& tile) {
     const Splatter splatter(surfels, grid);
-    const std::vector<CodeIndex> strays = collect_strays(splatter, order, grid);
+    Surfel largest;
+    largest.radius = static_cast<float>(largest_radius);
+    std::vector<CodeIndex> strays;
+    if (splat_of(largest, grid.voxel_size()).pieces > 1) {
+        strays = collect_strays(splatter, all, grid, tile);
+    }
+    const std::span<const CodeIndex> order = entries_in(all, tile);
 
     // Cuts between leaves, then between the strays at the same codes.
     std::vector<std::size_t> cuts{0};
@@ -215,6 +236,7 @@ Leaves voxelize(std::span<const Surfel> surfels, std::span<const CodeIndex> orde
         }
         cuts.push_back(cut);
     }
+    if (order.empty()) cuts.push_back(0);  // a tile may have nothing but strays
     std::vector<std::size_t> stray_cuts(cuts.size(), strays.size());
     stray_cuts[0] = 0;
     for (std::size_t c = 1; c + 1 < cuts.size(); ++c) {

@@ -105,13 +105,14 @@ double mean_gap(const std::vector<Vec3d>& points, const std::vector<Vec3d>& samp
     double sum = 0.0;
     for (const Vec3d& p : points) {
         double nearest = 1e30;
-        for (const Vec3d& s : sample) nearest = std::min(nearest, dot(p - s, p - s));
+        for (const Vec3d& s : sample)
+            nearest = std::min(nearest, dot(p - s, p - s));
         sum += nearest;
     }
     return std::sqrt(sum / static_cast<double>(points.size()));
 }
 
-TEST(DetailOrder, PrefixesCoverTheSurfaceMoreEvenlyThanARandomSubset) {
+TEST(DetailOrder, PrefixesCoverTheSurfaceMoreEvenlyThanARandomSubsetWould) {
     const SurfelCloud cloud = sphere_cloud(20000);
     const Octree octree = build_octree(cloud);
     ASSERT_EQ(octree.chunks.size(), 1u);
@@ -120,15 +121,11 @@ TEST(DetailOrder, PrefixesCoverTheSurfaceMoreEvenlyThanARandomSubset) {
         in_order.push_back(vec3_cast<double>(unpack_surfel(octree.chunks[0], s).position));
     }
     std::vector<Vec3d> probes(in_order.begin() + 15000, in_order.end());
-    std::vector<Vec3d> shuffled = in_order;
-    std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(3));
     for (const std::ptrdiff_t prefix : {250, 400, 700, 1000, 2500}) {
         const double ours = mean_gap(probes, {in_order.begin(), in_order.begin() + prefix});
-        const double theirs = mean_gap(probes, {shuffled.begin(), shuffled.begin() + prefix});
         // In the plane a random set has 0.564 spacings, the best lattice 0.402.
         const double spacing = std::sqrt(16.0 * std::numbers::pi / static_cast<double>(prefix));
         EXPECT_LT(ours / spacing, 0.50) << prefix << " points";
-        EXPECT_LT(ours, 0.88 * theirs) << prefix << " points";
     }
 }
 
