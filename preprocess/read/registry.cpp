@@ -6,6 +6,7 @@
 
 #include "octree/error.h"
 #include "preprocess/read/closed_formats.h"
+#include "preprocess/read/e57.h"
 #include "preprocess/read/las.h"
 #include "preprocess/read/pcd.h"
 #include "preprocess/read/ply.h"
@@ -16,6 +17,7 @@ namespace glowworm {
 namespace {
 
 constexpr ScanFormat kFormats[] = {
+    {"E57", is_e57, open_e57},
     {"LAS", is_las, open_las},
     {"PLY", is_ply, open_ply},
     {"PCD", is_pcd, open_pcd},
