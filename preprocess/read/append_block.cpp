@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
+#include <utility>
 
 namespace glowworm {
 namespace {
@@ -26,9 +29,12 @@ void for_each_column(PointBlock& block, Visit visit) {
 /// Keeps the points for which `keep(position)` holds, in order; returns how many were dropped.
 template <typename Keep>
 std::uint64_t keep_points(PointBlock& block, Keep keep) {
-    if (std::ranges::all_of(block.positions, keep)) return 0;
-    std::vector<std::uint32_t> kept;
-    for (std::size_t i = 0; i < block.size(); ++i) {
+    const auto begin = block.positions.begin();
+    const auto first_dropped = std::find_if_not(begin, block.positions.end(), std::ref(keep));
+    if (first_dropped == block.positions.end()) return 0;
+    std::vector<std::uint32_t> kept(static_cast<std::size_t>(first_dropped - begin));
+    std::iota(kept.begin(), kept.end(), 0u);
+    for (std::size_t i = kept.size() + 1; i < block.size(); ++i) {
         if (keep(block.positions[i])) kept.push_back(static_cast<std::uint32_t>(i));
     }
     const std::size_t before = block.size();
@@ -46,12 +52,18 @@ std::uint64_t drop_not_finite(PointBlock& block) {
     return keep_points(block, [](const Vec3d& p) { return is_finite(p); });
 }
 
-std::uint64_t drop_at_origin(PointBlock& block, std::uint64_t keep) {
-    const auto at_origin = [](const Vec3d& p) { return p == Vec3d{}; };
-    if (std::ranges::none_of(block.positions, at_origin)) return 0;
-    return keep_points(block, [&, keep](const Vec3d& p) mutable {
-        return !at_origin(p) || (keep > 0 && keep-- > 0);
+std::uint64_t drop_at_origin(PointBlock& block) {
+    return keep_points(block, [](const Vec3d& p) { return p != Vec3d{}; });
+}
+
+PointBlock first_at_origin(const PointBlock& block) {
+    if (std::ranges::find(block.positions, Vec3d{}) == block.positions.end()) return {};
+    PointBlock first = block;
+    keep_points(first, [found = false](const Vec3d& p) mutable {
+        return p == Vec3d{} && !std::exchange(found, true);
     });
+    first.invalid = 0;
+    return first;
 }
 
 Vec3d choose_offset(const PointBlock& block) {

@@ -10,9 +10,11 @@ namespace glowworm {
 /// Drops the points of `block` whose coordinates are not finite; returns how many.
 std::uint64_t drop_not_finite(PointBlock& block);
 
-/// Drops the points of `block` exactly at the origin of the frame but for the first `keep` of them;
-/// returns how many.
-std::uint64_t drop_at_origin(PointBlock& block, std::uint64_t keep);
+/// Drops the points of `block` exactly at the origin of the frame; returns how many.
+std::uint64_t drop_at_origin(PointBlock& block);
+
+/// The first point of `block` exactly at the origin as a block of its own; empty where none is.
+PointBlock first_at_origin(const PointBlock& block);
 
 /// The whole metres to take out of positions so that float holds them: zero where no coordinate of
 /// `block` exceeds 1 km (float's step is 0.06 mm there), else the middle of the block's bounds.

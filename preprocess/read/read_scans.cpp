@@ -5,6 +5,7 @@
 
 #include "octree/error.h"
 #include "preprocess/read/append_block.h"
+#include "preprocess/read/kept_blocks.h"
 
 namespace glowworm {
 namespace {
@@ -15,21 +16,6 @@ std::uint64_t believable(std::uint64_t declared, const std::filesystem::path& pa
     return std::min<std::uint64_t>(declared, std::filesystem::file_size(path, ignored));
 }
 
-void erase_point(Points& points, std::size_t index) {
-    const auto erase = [&](auto& column) {
-        if (!column.empty()) column.erase(column.begin() + static_cast<std::ptrdiff_t>(index));
-    };
-    erase(points.positions);
-    erase(points.normals);
-    erase(points.colours);
-    erase(points.intensities);
-    erase(points.ndf_lengths);
-    erase(points.radii);
-    erase(points.stations);
-    erase(points.emissions);
-    erase(points.times);
-}
-
 Scan read_scan(ScanFile& file, const ScanHeader& header, const std::filesystem::path& path,
                ScanCounts& counts) {
     Scan scan;
@@ -38,30 +24,13 @@ Scan read_scan(ScanFile& file, const ScanHeader& header, const std::filesystem::
     scan.has_viewpoint = header.has_viewpoint;
     reserve_points(believable(header.declared_points, path), header.columns, scan.points);
 
-    std::uint64_t at_origin = 0;
-    std::size_t first_at_origin = 0;  // stays until there is a second one
+    KeptBlocks blocks(file, counts);
     PointBlock block;
-    while (file.next_block(block)) {
-        counts.invalid += block.invalid;
-        counts.not_finite += drop_not_finite(block);
-        const auto found = std::ranges::find(block.positions, Vec3d{});
-        if (found != block.positions.end()) {
-            if (at_origin == 0) {
-                first_at_origin =
-                    scan.points.size() + static_cast<std::size_t>(found - block.positions.begin());
-            }
-            const std::uint64_t keep = at_origin == 0 ? 1 : 0;
-            at_origin += keep + drop_at_origin(block, keep);
-        }
+    while (blocks.next(block)) {
         if (scan.points.empty()) scan.offset = choose_offset(block);
         append_block(block, scan.offset, scan.points);
     }
-    if (at_origin > 1) {
-        erase_point(scan.points, first_at_origin);
-        counts.no_return = at_origin;
-    }
     scan.offset += header.origin;
-    counts.kept = scan.points.size();
     return scan;
 }
 

@@ -36,7 +36,8 @@ std::vector<std::filesystem::path> find_scan_files(
 /// Reads every scan of a file, each in its own frame. Its name is the file's, with "#1", "#2" … in
 /// a file that holds several. Coordinates beyond 1 km have whole metres taken out as the scan's
 /// offset before they become float. Points that are not finite, and points exactly at the frame's
-/// origin where there is more than one (how scanners write "no return"), are dropped and counted.
+/// origin where there is more than one (how scanners write "no return"), are dropped and counted;
+/// a single one comes last.
 /// Throws Error: kUnreadable as open_scan_file, kDegenerate where no points are left.
 std::vector<Scan> read_scans(const std::filesystem::path& path, const ReadSettings& settings = {},
                              ReadReport* report = nullptr);

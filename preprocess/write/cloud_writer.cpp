@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "octree/error.h"
+#include "preprocess/write/pcd.h"
 #include "preprocess/write/ply.h"
 
 namespace glowworm {
@@ -16,6 +17,7 @@ struct CloudWriter {
 
 constexpr CloudWriter kWriters[] = {
     {".ply", write_ply},
+    {".pcd", write_pcd},
 };
 
 const CloudWriter& writer_for(const std::filesystem::path& path) {

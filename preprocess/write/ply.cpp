@@ -22,14 +22,15 @@ void write_ply(const PointCloud& cloud, const std::filesystem::path& path) {
         header += "comment " + line + "\n";
     }
     header += fmt::format("element vertex {}\n", points.size());
-    for (const WrittenField& field : written_fields(points)) {
+    for (const WrittenField& field : written_fields(points, ColourForm::kThreeBytes)) {
         header += fmt::format("property {} {}\n", field.type, field.name);
     }
     file.write(header + "end_header\n");
 
     for (std::size_t begin = 0; begin < points.size(); begin += kBlockPoints) {
         const std::size_t end = std::min(begin + kBlockPoints, points.size());
-        const std::vector<std::byte> records = write_records(points, begin, end);
+        const std::vector<std::byte> records =
+            write_records(points, ColourForm::kThreeBytes, begin, end);
         file.write(records.data(), records.size());
     }
     file.commit();

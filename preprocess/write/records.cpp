@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstring>
 #include <initializer_list>
+#include <type_traits>
 
 namespace glowworm {
 namespace {
@@ -31,11 +32,22 @@ void for_each_column(const Points& points, Visit visit) {
 template <typename Column>
 constexpr std::size_t kElementBytes = sizeof(typename std::remove_cvref_t<Column>::value_type);
 
+template <typename Column>
+constexpr bool kIsColour = std::is_same_v<typename std::remove_cvref_t<Column>::value_type, Rgb8>;
+
+std::uint32_t packed(const Rgb8& colour) {
+    return std::uint32_t{colour.r} << 16 | std::uint32_t{colour.g} << 8 | colour.b;
+}
+
 }  // namespace
 
-std::vector<WrittenField> written_fields(const Points& points) {
+std::vector<WrittenField> written_fields(const Points& points, ColourForm form) {
     std::vector<WrittenField> fields;
     for_each_column(points, [&](const auto& column, auto names, std::string_view type) {
+        if (kIsColour<decltype(column)> && form == ColourForm::kPacked) {
+            fields.push_back({"rgb", "uint", sizeof(std::uint32_t)});
+            return;
+        }
         for (const std::string_view name : names) {
             fields.push_back({name, type, kElementBytes<decltype(column)> / names.size()});
         }
@@ -43,18 +55,27 @@ std::vector<WrittenField> written_fields(const Points& points) {
     return fields;
 }
 
-std::vector<std::byte> write_records(const Points& points, std::size_t begin, std::size_t end) {
+std::vector<std::byte> write_records(const Points& points, ColourForm form, std::size_t begin,
+                                     std::size_t end) {
     std::size_t stride = 0;
-    for (const WrittenField& field : written_fields(points))
+    for (const WrittenField& field : written_fields(points, form))
         stride += field.bytes;
     std::vector<std::byte> records((end - begin) * stride);
     std::size_t offset = 0;
     for_each_column(points, [&](const auto& column, auto, std::string_view) {
-        constexpr std::size_t kBytes = kElementBytes<decltype(column)>;
-        std::byte* to = records.data() + offset;
-        for (std::size_t i = begin; i < end; ++i, to += stride)
-            std::memcpy(to, &column[i], kBytes);
-        offset += kBytes;
+        const auto write = [&](auto value_of) {
+            using Value = decltype(value_of(column[0]));
+            std::byte* to = records.data() + offset;
+            for (std::size_t i = begin; i < end; ++i, to += stride) {
+                const Value value = value_of(column[i]);
+                std::memcpy(to, &value, sizeof value);
+            }
+            offset += sizeof(Value);
+        };
+        if constexpr (kIsColour<decltype(column)>) {
+            if (form == ColourForm::kPacked) return write(packed);
+        }
+        write([](const auto& value) { return value; });
     });
     return records;
 }

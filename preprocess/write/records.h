@@ -15,10 +15,16 @@ struct WrittenField {
     std::size_t bytes;
 };
 
+enum class ColourForm {
+    kThreeBytes,   ///< red green blue, as PLY has them
+    kPacked,       ///< one field `rgb`, 0x00RRGGBB, as PCD has it
+};
+
 /// The fields of the columns that `points` has, in the order of the record.
-std::vector<WrittenField> written_fields(const Points& points);
+std::vector<WrittenField> written_fields(const Points& points, ColourForm form);
 
 /// Points [begin, end) as little-endian records without gaps.
-std::vector<std::byte> write_records(const Points& points, std::size_t begin, std::size_t end);
+std::vector<std::byte> write_records(const Points& points, ColourForm form, std::size_t begin,
+                                     std::size_t end);
 
 }  // namespace glowworm

@@ -90,7 +90,7 @@ TEST_P(WrittenCloud, TwiceIsTheSameBytes) {
               testing::file_content(folder / ("b" + extension)));
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, WrittenCloud, ::testing::Values(".ply"));
+INSTANTIATE_TEST_SUITE_P(Formats, WrittenCloud, ::testing::Values(".ply", ".pcd"));
 
 TEST(WriteCloud, AnExtensionThatNamesNoFormatIsWrongUsage) {
     const ScratchFolder folder;
