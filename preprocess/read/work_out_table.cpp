@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "preprocess/read/line_reader.h"
 #include "preprocess/read/table.h"
@@ -45,6 +46,7 @@ struct Reading {
     TableShape shape;
     std::size_t first_row = 0;  // index among the head's lines
     std::vector<std::vector<double>> rows;
+    double number_share = 0.0;  // of the cells
 };
 
 /// Tries a delimiter and a decimal sign. None unless at least 9 of 10 lines have the same number of
@@ -54,7 +56,7 @@ std::optional<Reading> try_reading(const TextHead& head, char delimiter, bool de
     reading.shape.delimiter = delimiter;
     reading.shape.decimal_comma = decimal_comma;
     std::string scratch;
-    std::size_t columns = 0, sampled = 0, fitting = 0, most_numbers = 0;
+    std::size_t columns = 0, sampled = 0, fitting = 0, most_numbers = 0, numbers_found = 0;
     for (std::size_t i = 0; i < head.lines.size() && sampled < kMostSampled; ++i) {
         const std::string_view line = head.lines[i];
         if (is_comment(line)) continue;
@@ -73,10 +75,13 @@ std::optional<Reading> try_reading(const TextHead& head, char delimiter, bool de
         }
         if (cells != columns || numbers < std::min<std::size_t>(most_numbers, 3)) continue;
         ++fitting;
+        numbers_found += numbers;
         reading.rows.push_back(std::move(values));
     }
     reading.shape.columns.assign(columns, Column::kNone);
     if (sampled == 0 || fitting * 10 < sampled * 9) return std::nullopt;
+    reading.number_share =
+        static_cast<double>(numbers_found) / static_cast<double>(fitting * columns);
     return reading;
 }
 
@@ -189,9 +194,10 @@ bool work_out_table(const TextHead& head, char delimiter, const std::string& col
                                      {',', false}, {' ', false}, {' ', true}};
     std::optional<Reading> reading;
     for (const Attempt& attempt : kAttempts) {
-        if (reading) break;
-        if (delimiter == '\0' || delimiter == attempt.delimiter) {
-            reading = try_reading(head, attempt.delimiter, attempt.decimal_comma);
+        if (delimiter != '\0' && delimiter != attempt.delimiter) continue;
+        std::optional<Reading> tried = try_reading(head, attempt.delimiter, attempt.decimal_comma);
+        if (tried && (!reading || tried->number_share > reading->number_share)) {
+            reading = std::move(tried);
         }
     }
     if (!reading && delimiter != '\0') reading = try_reading(head, delimiter, false);
