@@ -65,7 +65,8 @@ Registration align_scans(std::span<const Scan> scans, const RegistrationSettings
                          const Progress& progress) {
     check(scans, settings);
     Registration result;
-    result.voxel_size = settings.voxel_size > 0.0 ? settings.voxel_size : choose_voxel_size(scans);
+    result.voxel_size = settings.voxel_size > 0.0 ? settings.voxel_size
+                                                  : choose_voxel_size(scans, settings.upright);
     const PairSettings pair_settings{.voxel_size = result.voxel_size, .upright = settings.upright};
     const LocalFrame frame = choose_frame(scans, settings);
     const std::size_t n = scans.size();
@@ -74,13 +75,13 @@ Registration align_scans(std::span<const Scan> scans, const RegistrationSettings
     SharedProgress shared(progress, n);
     std::vector<ScanModel> models(n);
     tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) {
-        models[i] = model_scan(scans[i], result.voxel_size);
+        models[i] = model_scan(scans[i], result.voxel_size, settings.upright);
         if (n > 1 && !frame.all_given) models[i].keypoints = describe(models[i].coarse);
         shared.step();
     });
 
     // 2. Pairs from given poses, then those that have none or did not hold from nothing.
-    Assembly assembly = start_assembly(frame, settings);
+    Assembly assembly = start_assembly(models, frame, settings);
     std::vector<PairFit> pairs = given_pairs(models, frame, pair_settings, settings);
     assemble(models, pairs, pair_settings, assembly);
     const std::vector<std::pair<std::size_t, std::size_t>> candidates =
@@ -108,7 +109,7 @@ Registration align_scans(std::span<const Scan> scans, const RegistrationSettings
     }
 
     // 4. What came of it, in the world's frame.
-    write_report(scans, pairs, pair_settings, frame, assembly, result);
+    write_report(scans, models, pairs, pair_settings, frame, assembly, result);
     return result;
 }
 

@@ -24,6 +24,12 @@ bool pair_wanted(const RegistrationSettings& settings, std::size_t a, std::size_
 
 }  // namespace
 
+Eigen::Isometry3d given_pose(std::span<const ScanModel> models, const LocalFrame& frame,
+                             std::size_t i) {
+    return *frame.given[i] *
+           Eigen::Isometry3d(Eigen::Quaterniond(models[i].R_model_scan.transpose()));
+}
+
 LocalFrame choose_frame(std::span<const Scan> scans, const RegistrationSettings& settings) {
     LocalFrame frame;
     frame.given.resize(scans.size());
@@ -60,12 +66,13 @@ LocalFrame choose_frame(std::span<const Scan> scans, const RegistrationSettings&
     return frame;
 }
 
-Assembly start_assembly(const LocalFrame& frame, const RegistrationSettings& settings) {
+Assembly start_assembly(std::span<const ScanModel> models, const LocalFrame& frame,
+                        const RegistrationSettings& settings) {
     Assembly assembly = apart(frame.given.size());
     std::size_t trusted = frame.given.size();
     for (std::size_t i = 0; i < frame.given.size(); ++i) {
         if (!frame.given[i]) continue;
-        assembly.poses[i] = *frame.given[i];
+        assembly.poses[i] = given_pose(models, frame, i);
         if (settings.mode != PriorMode::kTrust) continue;
         trusted = std::min(trusted, i);
         assembly.group[i] = trusted;
@@ -90,8 +97,8 @@ std::vector<PairFit> given_pairs(std::span<const ScanModel> models, const LocalF
     tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
         PairFit& pair = pairs[i];
         const ScanModel &source = models[pair.source], &target = models[pair.target];
-        const Eigen::Isometry3d start =
-            frame.given[pair.target]->inverse() * *frame.given[pair.source];
+        const Eigen::Isometry3d start = given_pose(models, frame, pair.target).inverse() *
+                                        given_pose(models, frame, pair.source);
         const Agreement near = verify(source, target, start, 3.0 * pair_settings.voxel_size, 500);
         if (near.best_overlap() < kLeastOverlap) return;
         const bool trusted = frame.fixed[pair.source] && frame.fixed[pair.target];

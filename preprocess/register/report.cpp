@@ -68,9 +68,9 @@ Fit joint_information(std::size_t i, std::span<const PairFit> pairs,
 
 }  // namespace
 
-void write_report(std::span<const Scan> scans, std::span<const PairFit> pairs,
-                  const PairSettings& settings, const LocalFrame& frame, const Assembly& assembly,
-                  Registration& result) {
+void write_report(std::span<const Scan> scans, std::span<const ScanModel> models,
+                  std::span<const PairFit> pairs, const PairSettings& settings,
+                  const LocalFrame& frame, const Assembly& assembly, Registration& result) {
     const std::size_t n = scans.size();
     const bool any_given = std::any_of(frame.given.begin(), frame.given.end(),
                                        [](const auto& pose) { return pose.has_value(); });
@@ -79,16 +79,20 @@ void write_report(std::span<const Scan> scans, std::span<const PairFit> pairs,
     poses.origin = any_given ? frame.origin : scans[main].offset;
 
     // Each group's motion into the local frame: its first given pose, else the main group's own.
+    std::vector<Eigen::Isometry3d> T_model_scan;  // from positions
+    for (const ScanModel& model : models) {
+        T_model_scan.emplace_back(Eigen::Quaterniond(model.R_model_scan));
+    }
     std::map<std::size_t, Eigen::Isometry3d> T_local_group;
     std::map<std::size_t, std::size_t> holder;
     for (std::size_t i = 0; i < n; ++i) {
         const std::size_t g = assembly.group[i];
         if (holder.contains(g)) continue;
         if (frame.given[i]) {
-            T_local_group[g] = *frame.given[i] * assembly.poses[i].inverse();
+            T_local_group[g] = given_pose(models, frame, i) * assembly.poses[i].inverse();
             holder[g] = i;
         } else if (!any_given && g == main && i == main) {
-            T_local_group[g] = assembly.poses[i].inverse();
+            T_local_group[g] = T_model_scan[i].inverse() * assembly.poses[i].inverse();
             holder[g] = i;
         }
     }
@@ -103,7 +107,8 @@ void write_report(std::span<const Scan> scans, std::span<const PairFit> pairs,
         if (holder.contains(g)) {
             local[i] = T_local_group[g] * assembly.poses[i];
             const bool alone = std::count(assembly.group.begin(), assembly.group.end(), g) == 1;
-            pose.T_world_scan = local[i] * Eigen::Translation3d(-as_eigen(scans[i].offset));
+            pose.T_world_scan =
+                local[i] * T_model_scan[i] * Eigen::Translation3d(-as_eigen(scans[i].offset));
             pose.status = i == reference && !frame.fixed[i]             ? PoseStatus::kReference
                           : frame.fixed[i] || (alone && frame.given[i]) ? PoseStatus::kPrior
                                                                         : PoseStatus::kRegistered;
@@ -124,7 +129,8 @@ void write_report(std::span<const Scan> scans, std::span<const PairFit> pairs,
                        .accepted = pair.accepted,
                        .weak_axes = rotate(weak_axes(pair.fit), local[pair.target])};
         entry.T_target_source = Eigen::Translation3d(as_eigen(scans[pair.target].offset)) *
-                                pair.fit.T_target_source *
+                                T_model_scan[pair.target].inverse() * pair.fit.T_target_source *
+                                T_model_scan[pair.source] *
                                 Eigen::Translation3d(-as_eigen(scans[pair.source].offset));
         poses.pairs.push_back(entry);
         if (!pair.accepted) continue;

@@ -18,6 +18,9 @@ constexpr std::size_t kPlaneNeighbours = 13;  // the sample itself and 12 around
 constexpr std::size_t kFewestNeighbours = 6;
 constexpr float kPlaneRadius = 3.0f;  // in spacings
 
+constexpr double kFineSpacing = 0.5;     // in coarse spacings
+constexpr std::size_t kSubset = 100000;  // points that the voxel size is chosen by
+
 struct Plane {
     Eigen::Vector3f normal;
     Eigen::Vector3f centre;
@@ -42,6 +45,15 @@ std::optional<Plane> fit_plane(const KdTree& tree, std::span<const Vec3f> positi
     // Neighbours on one line hold no plane.
     if (solver.eigenvalues()[1] < 0.02f * solver.eigenvalues()[2]) return std::nullopt;
     return Plane{solver.eigenvectors().col(0).normalized(), mean + to_eigen(at)};
+}
+
+std::vector<Vec3f> turn(std::span<const Vec3f> positions, const Eigen::Matrix3d& R) {
+    std::vector<Vec3f> turned(positions.size());
+    tbb::parallel_for(std::size_t{0}, positions.size(), [&](std::size_t i) {
+        const Eigen::Vector3d p = R * to_eigen(positions[i]).cast<double>();
+        turned[i] = to_vec3(p.cast<float>());
+    });
+    return turned;
 }
 
 }  // namespace
@@ -78,54 +90,84 @@ SurfaceSamples sample_surface(std::span<const Vec3f> positions, double spacing,
     return samples;
 }
 
-ScanModel model_scan(const Scan& scan, double spacing) {
+Eigen::Matrix3d main_axes(std::span<const Vec3f> positions, bool upright) {
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    double count = 0.0;
+    for (const Vec3f& p : positions) {
+        if (!is_finite(p)) continue;
+        mean += to_eigen(p).cast<double>();
+        count += 1.0;
+    }
+    if (count < 3.0) return Eigen::Matrix3d::Identity();
+    mean /= count;
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    for (const Vec3f& p : positions) {
+        if (!is_finite(p)) continue;
+        Eigen::Vector3d d = to_eigen(p).cast<double>() - mean;
+        if (upright) d.z() = 0.0;
+        covariance += d * d.transpose();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+    Eigen::Vector3d x = solver.eigenvectors().col(2), y = solver.eigenvectors().col(1);
+    double x_tail = 0.0, y_tail = 0.0;
+    for (const Vec3f& p : positions) {
+        if (!is_finite(p)) continue;
+        const Eigen::Vector3d d = to_eigen(p).cast<double>() - mean;
+        x_tail += std::pow(d.dot(x), 3);
+        y_tail += std::pow(d.dot(y), 3);
+    }
+    if (x_tail < 0.0) x = -x;
+    if (y_tail < 0.0) y = -y;
+    if (upright) y = Eigen::Vector3d::UnitZ().cross(x);
+    Eigen::Matrix3d R;
+    R << x.transpose(), y.transpose(), x.cross(y).transpose();
+    return R;
+}
+
+ScanModel model_scan(const Scan& scan, double spacing, bool upright) {
     ScanModel model;
+    model.R_model_scan = main_axes(scan.points.positions, upright);
+    const std::vector<Vec3f> turned = turn(scan.points.positions, model.R_model_scan);
     std::optional<Vec3f> viewpoint;
     if (scan.has_viewpoint) {
-        viewpoint = vec3_cast<float>(-scan.offset);
-        model.viewpoint = *viewpoint;
-        std::vector<Vec3f> seen = scan.points.positions;
+        const Vec3d place = -scan.offset;
+        const Eigen::Vector3d v = model.R_model_scan * Eigen::Vector3d(place.x, place.y, place.z);
+        model.viewpoint = to_vec3(v.cast<float>());
+        viewpoint = model.viewpoint;
+        std::vector<Vec3f> seen = turned;
         for (Vec3f& p : seen)
             p -= *viewpoint;
         model.depths.emplace(seen);
     }
-    // Strays stand alone; a thinned voxel would make them as weighty as a wall.
-    std::vector<Vec3f> clean;
-    for (const std::uint32_t i : inlier_indices(scan.points.positions, scan.has_viewpoint)) {
-        clean.push_back(scan.points.positions[i]);
-    }
-    model.coarse = sample_surface(clean, spacing, viewpoint);
-    model.fine = sample_surface(clean, spacing / 2.0, viewpoint);
+    model.coarse = sample_surface(turned, spacing, viewpoint);
+    model.fine = sample_surface(turned, kFineSpacing * spacing, viewpoint);
     return model;
 }
 
-double choose_voxel_size(std::span<const Scan> scans, std::size_t samples) {
+double choose_voxel_size(std::span<const Scan> scans, bool upright, std::size_t samples) {
     std::vector<double> sizes(scans.size());
     tbb::parallel_for(std::size_t{0}, scans.size(), [&](std::size_t s) {
         const std::vector<Vec3f>& positions = scans[s].points.positions;
         // An even subset is enough to find the size by.
         std::vector<Vec3f> subset;
-        const std::size_t step = std::max<std::size_t>(1, positions.size() / 100000);
-        for (std::size_t i = 0; i < positions.size(); i += step)
-            subset.push_back(positions[i]);
-        std::vector<float> ranges;
-        Vec3d mean;
+        const std::size_t stride = std::max<std::size_t>(1, positions.size() / kSubset);
+        for (std::size_t i = 0; i < positions.size(); i += stride) {
+            if (is_finite(positions[i])) subset.push_back(positions[i]);
+        }
+        if (subset.empty()) return;
+        subset = turn(subset, main_axes(subset, upright));
+        Vec3f low = subset[0], high = low;
         for (const Vec3f& p : subset) {
-            if (is_finite(p)) mean += vec3_cast<double>(p);
+            low = component_min(low, p);
+            high = component_max(high, p);
         }
-        mean = mean / static_cast<double>(std::max<std::size_t>(1, subset.size()));
-        for (const Vec3f& p : subset) {
-            if (is_finite(p)) ranges.push_back(length(p - vec3_cast<float>(mean)));
+        double most = std::max(static_cast<double>(length(high - low)), 1e-6) / 2.0;
+        double least = most / 65536.0;
+        for (int round = 0; round < 18; ++round) {
+            const double middle = std::sqrt(least * most);
+            (thin_indices(subset, middle).size() > samples ? least : most) = middle;
         }
-        if (ranges.empty()) return;
-        const auto far = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() * 9 / 10);
-        std::nth_element(ranges.begin(), far, ranges.end());
-        double high = std::max(static_cast<double>(*far), 1e-6) / 4.0, low = high / 4096.0;
-        for (int step_count = 0; step_count < 12; ++step_count) {
-            const double middle = std::sqrt(low * high);
-            (thin_indices(subset, middle).size() > samples ? low : high) = middle;
-        }
-        sizes[s] = high;
+        sizes[s] = most;
     });
     const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
     std::nth_element(sizes.begin(), middle, sizes.end());

@@ -22,7 +22,7 @@ inline Vec3f to_vec3(const Eigen::Vector3f& v) {
 /// neighbours: columns of equal length.
 struct SurfaceSamples {
     double spacing = 0;            ///< m, edge of the thinning voxels
-    std::vector<Vec3f> positions;  ///< m, station frame
+    std::vector<Vec3f> positions;  ///< m, the model's frame
     std::vector<Vec3f> normals;    ///< unit, toward the scanner where there is one
     KdTree tree;                   ///< over positions
 
@@ -31,20 +31,22 @@ struct SurfaceSamples {
 
 /// Distinctive places and what the surface around them looks like.
 struct Keypoints {
-    std::vector<Vec3f> positions;                                           ///< m, station frame
-    std::vector<Vec3f> normals;                                             ///< unit
+    std::vector<Vec3f> positions;  ///< m, the model's frame
+    std::vector<Vec3f> normals;    ///< unit
     Eigen::Matrix<float, Eigen::Dynamic, 33, Eigen::RowMajor> descriptors;  ///< [n, 33]
 
     std::size_t size() const { return positions.size(); }
 };
 
-/// What registration knows of one scan.
+/// What registration knows of one scan, in the scan's own main axes: a scan that comes turned gives
+/// (but for rounding) the same samples and so the same result.
 struct ScanModel {
+    Eigen::Matrix3d R_model_scan = Eigen::Matrix3d::Identity();
     SurfaceSamples coarse;             ///< at the voxel size v
     SurfaceSamples fine;               ///< at v / 2
     Keypoints keypoints;               ///< empty until described
     std::optional<DepthImage> depths;  ///< where the scan has a viewpoint
-    Vec3f viewpoint;                   ///< m, the scanner's place among the positions
+    Vec3f viewpoint;                   ///< m, the scanner's place
 };
 
 /// Samples of `positions` at `spacing` metres with normals from a plane fit to their neighbours.
@@ -53,10 +55,14 @@ struct ScanModel {
 SurfaceSamples sample_surface(std::span<const Vec3f> positions, double spacing,
                               const std::optional<Vec3f>& viewpoint);
 
-/// The model of a scan at the voxel size `spacing` metres, without keypoints.
-ScanModel model_scan(const Scan& scan, double spacing);
+/// The turn that brings the principal axes of `positions` to X, Y and Z, each pointing to its
+/// longer tail; about Z alone with `upright`. Positions that are not finite are passed over.
+Eigen::Matrix3d main_axes(std::span<const Vec3f> positions, bool upright);
+
+/// The model of a (cleaned) scan at the voxel size `spacing` metres, without keypoints.
+ScanModel model_scan(const Scan& scan, double spacing, bool upright);
 
 /// A voxel size, m, that leaves about `samples` coarse samples of the median scan.
-double choose_voxel_size(std::span<const Scan> scans, std::size_t samples = 9000);
+double choose_voxel_size(std::span<const Scan> scans, bool upright, std::size_t samples = 9000);
 
 }  // namespace glowworm
