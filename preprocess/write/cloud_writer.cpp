@@ -4,6 +4,8 @@
 #include <string_view>
 
 #include "octree/error.h"
+#include "preprocess/write/e57.h"
+#include "preprocess/write/las.h"
 #include "preprocess/write/pcd.h"
 #include "preprocess/write/ply.h"
 
@@ -18,6 +20,8 @@ struct CloudWriter {
 constexpr CloudWriter kWriters[] = {
     {".ply", write_ply},
     {".pcd", write_pcd},
+    {".las", write_las},
+    {".e57", write_e57},
 };
 
 const CloudWriter& writer_for(const std::filesystem::path& path) {
