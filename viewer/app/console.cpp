@@ -15,7 +15,7 @@
 namespace glowworm {
 namespace {
 
-volatile std::sig_atomic_t cancel_requested = 0;
+volatile std::sig_atomic_t cancel_asked = 0;
 
 constexpr auto kShortestInterval = std::chrono::milliseconds(100);
 constexpr int kBarWidth = 24;
@@ -24,10 +24,14 @@ constexpr int kBarWidth = 24;
 
 void install_cancel_handlers() {
     struct sigaction action = {};
-    action.sa_handler = [](int) { cancel_requested = 1; };
+    action.sa_handler = [](int) { cancel_asked = 1; };
     action.sa_flags = static_cast<int>(SA_RESETHAND);
     ::sigaction(SIGINT, &action, nullptr);
     ::sigaction(SIGTERM, &action, nullptr);
+}
+
+bool cancel_requested() {
+    return cancel_asked != 0;
 }
 
 Console::Mode Console::mode_of(const std::string& name) {
@@ -49,7 +53,7 @@ Progress Console::phase(const std::string& name, const std::string& unit) {
     started_ = std::chrono::steady_clock::now();
     show(0, 0, false);
     return [this](std::uint64_t done, std::uint64_t total) {
-        if (cancel_requested != 0) {
+        if (cancel_requested()) {
             throw Error(ExitCode::kCancelled, "cancelled; nothing was written");
         }
         total_ = total;

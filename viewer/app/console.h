@@ -35,8 +35,11 @@ class Console {
     std::chrono::steady_clock::time_point started_, last_shown_;
 };
 
-/// SIGINT and SIGTERM ask to stop: the next progress report throws. A second one ends the program.
+/// After this SIGINT and SIGTERM ask to stop: the next progress report throws, a window closes. A
+/// second one ends the program.
 void install_cancel_handlers();
+/// Whether they have asked.
+bool cancel_requested();
 
 /// Throws Error (kExists) where `path` is there and `force` was not given, (kUnreadable) where its
 /// folder is missing or may not be written: before the work.

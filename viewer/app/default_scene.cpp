@@ -87,7 +87,7 @@ Lookout lookout_from(const Survey& survey, const Vec3d& eye) {
 
 /// Places inside the cave for clouds whose stations are unknown: off a wall, halfway to the other.
 std::vector<Vec3d> places_between_walls(const Survey& survey) {
-    constexpr std::size_t kPlaces = 12;
+    constexpr std::size_t kPlaces = 5;
     std::vector<Vec3d> places;
     const std::size_t step = std::max<std::size_t>(1, survey.points.size() / kPlaces);
     for (std::size_t i = step / 2; i < survey.points.size(); i += step) {

@@ -4,12 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "octree/atomic_file.h"
+#include "viewer/app/picture_file.h"
 #include "viewer/app/probes.h"
 #include "viewer/app/start.h"
-#include "viewer/frame/exposure.h"
-#include "viewer/frame/exr.h"
-#include "viewer/frame/png.h"
 #include "viewer/gpu/context.h"
 #include "viewer/light/light_field.h"
 
@@ -17,12 +14,6 @@ namespace glowworm {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-void write_output(const std::filesystem::path& path, const std::string& bytes) {
-    AtomicFile file(path);
-    file.write(bytes);
-    file.commit();
-}
 
 /// Reflects the light as often as the options say.
 Json propagate(LightField& light, const Options& options, Console& console) {
@@ -53,7 +44,7 @@ Json measure_probes(const LightField& light, const Options& options, Console& co
     for (const ProbeResult& result : light.measure(probes)) {
         measured.push_back({result.direct, result.indirect});
     }
-    write_output(options.output, format_probes(table, measured));
+    write_whole(options.output, format_probes(table, measured));
 
     Json result{{"probes", measured.size()}};
     if (const auto differences = compare_probes(table, measured)) {
@@ -79,13 +70,8 @@ Json render_frame(const Context& context, const OctreeView& octree, const LightF
     const FrameLayers layers = frame.render(view, light, console.phase("frame", "pixels"));
 
     Json result{{"camera", camera.name}, {"width", camera.width}, {"height", camera.height}};
-    if (options.output.extension() == ".exr") {
-        write_output(options.output, encode_exr(layers, view));
-        return result;
-    }
-    const double stops = options.display.exposure.value_or(measured_exposure(layers));
-    const Picture picture = Display().picture_of(layers, stops, options.display.curve);
-    write_output(options.output, encode_png(picture));
+    const double stops = write_frame(layers, view, options.display, options.output);
+    if (options.output.extension() == ".exr") return result;
     spdlog::info("exposed by {:.2f} EV", stops);
     result["exposure"] = stops;
     result["tonemap"] = kToneCurveNames[static_cast<int>(options.display.curve)];

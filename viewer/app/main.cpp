@@ -9,6 +9,7 @@
 
 #include "octree/error.h"
 #include "viewer/app/headless.h"
+#include "viewer/app/window.h"
 
 namespace glowworm {
 namespace {
@@ -24,6 +25,10 @@ int run(int argc, char** argv) {
                                                       : tbb::info::default_concurrency()));
 
     const OctreeFile file = OctreeFile::open(options->octree);
+    if (!options->headless) {
+        run_window(*options, file);
+        return static_cast<int>(ExitCode::kDone);
+    }
     Console console(Console::mode_of(
         options->quiet && options->progress == "auto" ? "none" : options->progress));
     const nlohmann::ordered_json result = run_headless(*options, file, console);

@@ -34,7 +34,7 @@ PictureSize size_of(const std::string& text) {
 /// What only makes sense together, in a sentence each.
 void check_combination(const CLI::App& app, const Options& options) {
     if (!options.headless) {
-        for (const char* flag : {"--output", "--probes", "--size", "--json", "--force"}) {
+        for (const char* flag : {"--output", "--probes", "--samples", "--json", "--force"}) {
             if (app.count(flag) > 0) fail(fmt::format("{} needs --headless", flag));
         }
         return;

@@ -21,7 +21,7 @@ struct Options {
     std::filesystem::path output;     ///< headless only
     std::filesystem::path probes;     ///< empty: a frame
     std::string camera;               ///< empty: the scene's first
-    std::optional<PictureSize> size;  ///< empty: the camera's
+    std::optional<PictureSize> size;  ///< empty: the camera's, or the window's own
     std::optional<int> bounces;       ///< empty: until the light settles
     bool headless = false;
 

@@ -1,0 +1,72 @@
+#include "viewer/app/live_light.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace glowworm {
+namespace {
+
+constexpr int kBouncesAtOnce = 4;    // between two frames
+constexpr int kBouncesEnough = 200;  // where the light does not settle by itself
+constexpr double kTolerance = 1e-3;  // relative change that nobody sees any more
+
+}  // namespace
+
+LiveLight::LiveLight(const Context& context, const OctreeView& octree, const Scene& scene,
+                     const LightSettings& settings, std::optional<int> bounces)
+    : context_(context),
+      octree_(octree),
+      scene_(scene),
+      settings_(settings),
+      most_bounces_(bounces) {
+    field_ = std::make_unique<LightField>(context, octree_, scene, settings);
+    const bool baked = octree.links_per_lobe >= settings.links;
+    if (bounces == 0) {
+        settled_ = true;
+    } else if (settings.gather == Gather::kLinks && context.device().software && !baked) {
+        worker_ = std::make_unique<LinkWorker>(
+            octree_, LinkSettings{.rays = settings.links, .trace = settings.trace});
+    }
+}
+
+void LiveLight::set_scene(const Scene& scene) {
+    scene_ = scene;
+    field_->set_scene(scene);
+    settled_ = most_bounces_ == 0;
+    bounces_ = 0;
+    if (most_bounces_) field_->forget_indirect();  // so many bounces of these lights, not of others
+}
+
+bool LiveLight::advance() {
+    if (settled_) return false;
+    if (worker_) {
+        auto links = worker_->take();
+        if (!links) return false;
+        links_ = std::move(*links);
+        octree_.links = links_;
+        octree_.links_per_lobe = settings_.links;
+        field_ = std::make_unique<LightField>(context_, octree_, scene_, settings_);
+        worker_.reset();
+    }
+    const int most = most_bounces_.value_or(kBouncesEnough);
+    const int now = std::min(kBouncesAtOnce, most - bounces_);
+    if (most_bounces_) {
+        field_->iterate(now);
+        bounces_ += now;
+    } else {
+        const Convergence result = field_->converge(kTolerance, now);
+        bounces_ += std::max(result.bounces, 1);
+        settled_ = result.settled;
+    }
+    settled_ = settled_ || bounces_ >= most;
+    return true;
+}
+
+std::string LiveLight::status() const {
+    if (worker_) return fmt::format("tracing links, {:.0f} %", worker_->share_done() * 100.0);
+    if (most_bounces_ == 0) return "direct only";
+    return fmt::format("{} {} bounces", settled_ ? "settled after" : "propagating,", bounces_);
+}
+
+}  // namespace glowworm
