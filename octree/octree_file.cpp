@@ -200,4 +200,8 @@ OctreeFile OctreeFile::open(const std::filesystem::path& path) {
     return out;
 }
 
+void OctreeFile::forget_pages() const {
+    ::madvise(const_cast<void*>(mapping_.get()), bytes_, MADV_DONTNEED);
+}
+
 }  // namespace glowworm

@@ -45,6 +45,10 @@ class OctreeFile {
     std::uint64_t bytes() const { return bytes_; }
     const FileHeader& header() const { return *static_cast<const FileHeader*>(mapping_.get()); }
 
+    /// Tells the system that the pages read so far are not needed any more: they count as this
+    /// program's memory until then. Views stay valid.
+    void forget_pages() const;
+
   private:
     std::shared_ptr<const void> mapping_;
     std::uint64_t bytes_ = 0;
