@@ -1,20 +1,22 @@
 #include "preprocess/merge.h"
 
-#include <fmt/format.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "octree/error.h"
+#include "preprocess/better_sample.h"
+#include "preprocess/colour_balance.h"
 #include "preprocess/kd_tree.h"
 #include "preprocess/moving.h"
 
 namespace glowworm {
 namespace {
 
-constexpr double kNearOrigin = 1000.0;  // m: floats hold 0.1 mm up to here
+constexpr double kNearOrigin = 1000.0;     // m: floats hold 0.1 mm up to here
+constexpr double kColourCell = 4.0;        // in spacings
+constexpr double kLeastColourCell = 0.05;  // m
 
 /// A scan and its pose, positions on their way into the result's frame.
 struct PlacedScan {
@@ -84,60 +86,6 @@ Points transform(const PlacedScan& placed, std::uint32_t station) {
     return moved;
 }
 
-/// What a sample costs: its range, so that the nearer station wins (its spot is smaller and its
-/// angular noise shorter), over the cosine of incidence where a normal tells it.
-float sample_cost(const Points& points, std::uint32_t i, const Vec3f& station) {
-    const Vec3f ray = station - points.positions[i];
-    const float range = length(ray);
-    if (points.normals.empty() || range <= 0.0f) return range;
-    return range / std::max(std::abs(dot(points.normals[i], ray)) / range, 0.1f);
-}
-
-struct CellSample {
-    std::uint64_t cell;
-    float cost;
-    std::uint32_t index;
-    bool operator<(const CellSample& o) const {
-        if (cell != o.cell) return cell < o.cell;
-        return cost != o.cost ? cost < o.cost : index < o.index;
-    }
-};
-
-/// Indices, ascending, of the cheapest sample of each cell of edge `spacing`.
-std::vector<std::uint32_t> cheapest_per_cell(const Points& points, double spacing,
-                                             std::span<const Vec3f> stations) {
-    Vec3f low = points.positions.front(), high = low;
-    for (const Vec3f& p : points.positions) {
-        low = component_min(low, p);
-        high = component_max(high, p);
-    }
-    const Vec3f extent = high - low;
-    const double longest = static_cast<double>(std::max({extent.x, extent.y, extent.z}));
-    if (longest / spacing >= 2097151.0) {
-        throw Error(
-            ExitCode::kUsage,
-            fmt::format("a spacing of {} m is too fine to merge {} m of scans; use at least "
-                        "{:.6f} m",
-                        spacing, longest, longest / 2097151.0));
-    }
-    std::vector<CellSample> samples(points.size());
-    tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(points.size()),
-                      [&](std::uint32_t i) {
-                          const Vec3d d = vec3_cast<double>(points.positions[i] - low) / spacing;
-                          samples[i] = {static_cast<std::uint64_t>(d.z) << 42 |
-                                            static_cast<std::uint64_t>(d.y) << 21 |
-                                            static_cast<std::uint64_t>(d.x),
-                                        sample_cost(points, i, stations[points.stations[i]]), i};
-                      });
-    tbb::parallel_sort(samples.begin(), samples.end());
-    std::vector<std::uint32_t> kept;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-        if (i == 0 || samples[i].cell != samples[i - 1].cell) kept.push_back(samples[i].index);
-    }
-    std::sort(kept.begin(), kept.end());
-    return kept;
-}
-
 }  // namespace
 
 PointCloud merge_scans(std::span<const Scan> scans, const Poses& poses,
@@ -167,10 +115,12 @@ PointCloud merge_scans(std::span<const Scan> scans, const Poses& poses,
     cloud.origin = cloud_origin(poses, centres);
     const Eigen::Vector3d shift = to_eigen(poses.origin - cloud.origin);
     std::vector<Vec3f> station_places;
+    std::vector<std::uint8_t> has_viewpoint;
     for (PlacedScan& p : placed) {
         const Eigen::Isometry3d T_world_scan = p.T_cloud_scan;
         const Eigen::Quaterniond q(T_world_scan.rotation());
         const Eigen::Vector3d place = T_world_scan.translation() + shift;
+        has_viewpoint.push_back(p.scan->has_viewpoint);
         station_places.push_back(vec3_cast<float>(to_vec3(place)));
         cloud.stations.push_back({.position = cloud.origin + to_vec3(place),
                                   .rotation = {q.x(), q.y(), q.z(), q.w()},
@@ -196,12 +146,16 @@ PointCloud merge_scans(std::span<const Scan> scans, const Poses& poses,
         if (progress) progress(s + 1, placed.size() + 1);
     }
 
-    // 3. Even spacing, the better sample of each place.
+    // 3. Colours that agree, then even spacing with the better sample of each place.
     counted.spacing = settings.spacing > 0.0 ? settings.spacing : median_spacing(placed);
-    if (settings.thin_overlaps && counted.spacing > 0.0 && !cloud.points.empty()) {
+    if (settings.balance_colour && !cloud.points.empty()) {
+        const double cell = std::max(kColourCell * counted.spacing, kLeastColourCell);
+        apply_gains(cloud.points, colour_gains(cloud.points, placed.size(), cell));
+    }
+    if (settings.thin_overlaps && counted.spacing > 0.0) {
         const std::size_t before = cloud.points.size();
-        cloud.points =
-            cloud.points.select(cheapest_per_cell(cloud.points, counted.spacing, station_places));
+        cloud.points = cloud.points.select(
+            best_samples(cloud.points, counted.spacing, station_places, has_viewpoint));
         counted.thinned = before - cloud.points.size();
     }
     if (cloud.points.empty()) {
