@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "octree/extract.h"
 #include "octree/filter.h"
 #include "octree/lobe.h"
 #include "octree/pack.h"
@@ -38,22 +39,6 @@ void add_lobe(const Lobe& lobe, const Vec3d& cell_min, double edge, LeafSums& su
 
 }  // namespace
 
-std::vector<std::uint64_t> leaf_codes(const OctreeView& octree) {
-    std::vector<std::uint64_t> codes{0};
-    for (std::uint32_t level = 0; level < octree.grid.depth; ++level) {
-        std::vector<std::uint64_t> next;
-        next.reserve(octree.levels[level + 1].node_count);
-        for (std::size_t i = 0; i < codes.size(); ++i) {
-            const std::uint32_t mask = octree.nodes[octree.levels[level].first_node + i].mask;
-            for (std::uint32_t octant = 0; octant < 8; ++octant) {
-                if (mask >> octant & 1u) next.push_back(codes[i] << 3 | octant);
-            }
-        }
-        codes = std::move(next);
-    }
-    return codes;
-}
-
 Octree coarsen(const OctreeView& octree, std::uint32_t depth) {
     Octree out;
     out.grid = octree.grid;
@@ -74,7 +59,7 @@ Octree coarsen(const OctreeView& octree, std::uint32_t depth) {
         return out;
     }
 
-    const std::vector<std::uint64_t> fine = leaf_codes(octree);
+    const std::vector<std::uint64_t> fine = codes_of_level(octree, octree.grid.depth);
     const std::uint32_t shift = 3 * (octree.grid.depth - depth);
     std::vector<std::uint64_t> coarse;
     std::vector<std::size_t> starts;  // of each coarse leaf among the fine ones

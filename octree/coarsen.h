@@ -12,7 +12,4 @@ namespace glowworm {
 /// `depth` at or above the octree's own gives a copy without them. `octree` must be sound.
 Octree coarsen(const OctreeView& octree, std::uint32_t depth);
 
-/// Morton codes of the leaves, [leaves], from the tree itself.
-std::vector<std::uint64_t> leaf_codes(const OctreeView& octree);
-
 }  // namespace glowworm
