@@ -32,8 +32,7 @@ void write_section_header(E57PageWriter& out, const E57ScanLayout& scan) {
     head[0] = std::byte{1};
     store(head + 8, kE57SectionHeadBytes + scan.content_bytes());
     store(head + 16, e57_physical(scan.section + kE57SectionHeadBytes));
-    store(head + 24, e57_physical(scan.section + kE57SectionHeadBytes + scan.content_bytes() -
-                                  scan.index_bytes()));
+    // No index packet: libE57 never asked for one, and the version in FreeCAD 0.20 fails at any.
     out.write(head, sizeof(head));
 }
 
@@ -85,21 +84,6 @@ void fill_packet(const PointCloud& cloud, const E57ScanLayout& scan, std::size_t
     }
 }
 
-/// The index packet: which point begins in which packet, for up to 2048 packets evenly spread.
-void write_index(E57PageWriter& out, const E57ScanLayout& scan) {
-    std::vector<std::byte> index(scan.index_bytes());
-    store(index.data() + 2, static_cast<std::uint16_t>(index.size() - 1));
-    store(index.data() + 4, static_cast<std::uint16_t>(scan.index_entries()));
-    for (std::size_t i = 0; i < scan.index_entries(); ++i) {
-        const std::uint64_t packet = std::uint64_t{scan.packet_count()} * i / scan.index_entries();
-        std::byte* entry = index.data() + 16 + 16 * i;
-        store(entry, packet * scan.packet_records());
-        store(entry + 8,
-              e57_physical(scan.section + kE57SectionHeadBytes + packet * scan.packet_bytes(0)));
-    }
-    out.write(index.data(), index.size());
-}
-
 }  // namespace
 
 void write_e57(const PointCloud& cloud, const std::filesystem::path& path) {
@@ -122,7 +106,6 @@ void write_e57(const PointCloud& cloud, const std::filesystem::path& path) {
                         std::min(scan.packet_records(), scan.indices.size() - first), packet);
             out.write(packet.data(), packet.size());
         }
-        write_index(out, scan);
     }
     out.write(xml.data(), xml.size());
     out.finish();

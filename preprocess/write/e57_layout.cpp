@@ -7,7 +7,6 @@ namespace glowworm {
 namespace {
 
 constexpr std::size_t kMaxPacketBytes = 65536;
-constexpr std::size_t kMaxIndexEntries = 2048;
 constexpr double kFloatReach = 1000.0;  // m: float's step is 0.06 mm there
 
 constexpr std::size_t padded(std::size_t bytes) {
@@ -49,17 +48,9 @@ std::size_t E57ScanLayout::packet_bytes(std::size_t packet) const {
     return padded(6 + 2 * field_count() + records * record_bytes());
 }
 
-std::size_t E57ScanLayout::index_entries() const {
-    return std::min(packet_count(), kMaxIndexEntries);
-}
-
-std::size_t E57ScanLayout::index_bytes() const {
-    return 16 + 16 * index_entries();
-}
-
 std::uint64_t E57ScanLayout::content_bytes() const {
     const std::size_t packets = packet_count();
-    return std::uint64_t{packets - 1} * packet_bytes(0) + packet_bytes(packets - 1) + index_bytes();
+    return std::uint64_t{packets - 1} * packet_bytes(0) + packet_bytes(packets - 1);
 }
 
 std::vector<E57ScanLayout> lay_out_e57(const PointCloud& cloud, const std::string& name) {

@@ -24,10 +24,8 @@ struct E57ScanLayout {
     std::size_t packet_records() const;  ///< points in a full packet
     std::size_t packet_count() const;    ///< at least one
     std::size_t packet_bytes(std::size_t packet) const;
-    std::size_t index_entries() const;
-    std::size_t index_bytes() const;
 
-    /// Packets and index, without the section's header of 32 bytes.
+    /// Of all packets, without the section's header of 32 bytes.
     std::uint64_t content_bytes() const;
 
     std::uint64_t section = 0;  ///< logical offset, set by lay_out_e57
