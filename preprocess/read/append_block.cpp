@@ -84,7 +84,9 @@ Vec3d choose_offset(const PointBlock& block) {
 }
 
 void append_block(const PointBlock& block, const Vec3d& offset, Points& points) {
-    points.positions.reserve(points.positions.size() + block.size());
+    const std::size_t count = points.positions.size() + block.size();
+    // Doubling, as insert does by itself: a file may not say how many points it holds.
+    if (count > points.positions.capacity()) points.positions.reserve(2 * count);
     for (const Vec3d& p : block.positions)
         points.positions.push_back(vec3_cast<float>(p - offset));
     const auto append = [](const auto& from, auto& to) {

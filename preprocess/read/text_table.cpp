@@ -152,9 +152,11 @@ bool is_pts(std::span<const std::byte> bytes) {
 
 std::unique_ptr<ScanFile> open_pts(InputFile file, const ReadSettings&) {
     TextHead head;
-    read_text_head(head_bytes(file), head);
+    const bool text = read_text_head(head_bytes(file), head) && head.lines.size() > 1;
+    const std::size_t columns = text ? count_numbers(head.lines[1]) : 0;
+    if (columns < 3) file.fail("its second line does not begin with x y z; export it again as PTS");
     TableShape shape;
-    shape.columns = pts_columns(std::min<std::size_t>(count_numbers(head.lines[1]), 64));
+    shape.columns = pts_columns(std::min<std::size_t>(columns, 64));
     return std::make_unique<TextTable>(std::move(file), std::move(shape), true);
 }
 
