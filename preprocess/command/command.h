@@ -51,7 +51,6 @@ void add_surface_command(Program& program);
 void add_build_command(Program& program);
 void add_info_command(Program& program);
 void add_check_command(Program& program);
-void add_diff_command(Program& program);
 
 /// Throws Error (kExists) where `path` is there and --force was not given, (kUnreadable) where its
 /// folder is not there or may not be written: before any work, not an hour into it.

@@ -49,7 +49,6 @@ int run(int argc, char** argv) {
     add_build_command(program);
     add_info_command(program);
     add_check_command(program);
-    add_diff_command(program);
 
     try {
         app.parse(argc, argv);

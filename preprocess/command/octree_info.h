@@ -1,0 +1,11 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+namespace glowworm {
+
+/// What is in an octree file, as interface.md has it. Prints a table for people unless `json`.
+nlohmann::ordered_json octree_info(const std::filesystem::path& path, bool json);
+
+}  // namespace glowworm

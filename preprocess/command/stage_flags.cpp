@@ -1,0 +1,139 @@
+#include "preprocess/command/stage_flags.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <sstream>
+
+#include "octree/error.h"
+#include "octree/scene.h"
+#include "preprocess/command/command.h"
+#include "preprocess/provenance.h"
+
+namespace glowworm {
+
+void RegistrationFlags::add_to(CLI::App& command) {
+    command.add_option("--poses", poses,
+                       "a poses.json to start from, or what to do with poses that are there: "
+                       "trust, refine (default) or ignore; give it twice for both");
+    command.add_flag("--upright", upright, "scanners are levelled: seek only yaw and position");
+}
+
+void RegistrationFlags::apply(RegistrationSettings& settings) const {
+    settings.upright = upright;
+    for (const std::string& word : poses) {
+        if (word == "trust") {
+            settings.mode = PriorMode::kTrust;
+        } else if (word == "refine") {
+            settings.mode = PriorMode::kRefine;
+        } else if (word == "ignore") {
+            settings.mode = PriorMode::kIgnore;
+        } else if (std::filesystem::exists(word)) {
+            settings.prior = read_poses(word);
+        } else {
+            throw Error(ExitCode::kUsage,
+                        fmt::format("--poses {}: no such file, and not trust, refine or ignore", word));
+        }
+    }
+}
+
+void BuildFlags::add_to(CLI::App& command) {
+    CLI::Option* by_depth =
+        command.add_option("--depth", depth, "level of the leaves, the root being 0; chosen from the "
+                                             "point spacing where neither this nor --voxel-size is given")
+            ->check(CLI::Range(1u, kMaxDepth));
+    command.add_option("--voxel-size", voxel_size, "edge of a leaf at most this, m")
+        ->check(CLI::PositiveNumber)
+        ->excludes(by_depth);
+    command.add_option("--lights", lights, "scene.json whose area lights become samples of the tree");
+}
+
+std::vector<AreaLight> BuildFlags::area_lights() const {
+    return lights.empty() ? std::vector<AreaLight>{} : read_scene(lights).area_lights;
+}
+
+BuildSettings BuildFlags::settings(const std::string& command,
+                                   const std::vector<std::filesystem::path>& inputs) const {
+    std::vector<InputFile> described;
+    for (const auto& input : inputs) described.push_back(describe_input(input));
+    if (!lights.empty()) described.push_back(describe_input(lights));
+
+    std::string words = "glowworm " + command;
+    if (depth) words += fmt::format(" --depth {}", *depth);
+    if (voxel_size) words += fmt::format(" --voxel-size {}", *voxel_size);
+    BuildSettings settings;
+    settings.depth = depth;
+    settings.voxel_size = voxel_size;
+    settings.provenance = provenance_json(words, described);
+    return settings;
+}
+
+void add_read_flags(CLI::App& command, ReadSettings& settings) {
+    command.add_option("--columns", settings.columns,
+                       "what the columns of text files mean, such as \"x y z intensity r g b\"; - skips one");
+    command.add_flag_callback(
+        "--no-crc", [&settings] { settings.check_crc = false; },
+        "read E57 pages whose checksum is wrong");
+}
+
+void add_surface_flags(CLI::App& command, SurfaceSettings& settings) {
+    command.add_option("--neighbours", settings.k, "points a plane is fitted to")
+        ->check(CLI::Range(6, 64));
+    command.add_option("--default-albedo", settings.default_albedo,
+                       "linear albedo of points without colour or intensity")
+        ->check(CLI::Range(0.0f, 1.0f));
+}
+
+nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const Warning& warning : warnings) {
+        list.push_back({{"id", warning.id}, {"file", warning.file}, {"sentence", warning.sentence}});
+    }
+    return list;
+}
+
+nlohmann::ordered_json surface_json(const SurfaceReport& report) {
+    return {{"points", report.points},
+            {"surfels", report.surfels},
+            {"not_finite", report.not_finite},
+            {"duplicates", report.duplicates},
+            {"isolated", report.isolated},
+            {"unsure_side", report.unsure_side},
+            {"orientation", describe(report.orientation)},
+            {"albedo", describe(report.albedo)},
+            {"range_noise", report.range_noise},
+            {"median_spacing", report.median_spacing},
+            {"mean_ndf_length", report.mean_ndf_length}};
+}
+
+void say_warnings(const std::vector<Warning>& warnings) {
+    for (const Warning& warning : warnings) {
+        spdlog::warn("{}: {} [{}]", warning.file, warning.sentence, warning.id);
+    }
+}
+
+void say_surface(const SurfaceReport& report) {
+    spdlog::info("{} surfels of {} points; normals turned by {}, {} with a side that nothing decided",
+                 format_count(report.surfels), format_count(report.points),
+                 describe(report.orientation), format_count(report.unsure_side));
+    spdlog::info("albedo from {}; range noise {:.1f} mm; spacing {:.1f} mm; mean NDF length {:.3f}",
+                 describe(report.albedo), report.range_noise * 1e3, report.median_spacing * 1e3,
+                 report.mean_ndf_length);
+}
+
+void say_octree(const OctreeView& octree) {
+    spdlog::info("depth {}: {} leaves of {:.1f} cm, {} nodes, {} lobes", octree.grid.depth,
+                 format_count(octree.levels.back().node_count), octree.grid.voxel_size() * 100.0f,
+                 format_count(octree.nodes.size()), format_count(octree.lobes.size()));
+}
+
+void say_trust(const Registration& registration) {
+    std::istringstream lines(trust_table(registration));
+    for (std::string line; std::getline(lines, line);) spdlog::info("{}", line);
+    if (registration.weak > 0) {
+        spdlog::warn("{} scans can shift or turn along a direction that their surfaces do not hold: see "
+                     "weak_axes in the poses", registration.weak);
+    }
+}
+
+}  // namespace glowworm

@@ -1,0 +1,49 @@
+#include "preprocess/surface/surface.h"
+
+#include "preprocess/command/command.h"
+#include "preprocess/command/stage_flags.h"
+#include "preprocess/read/read_scans.h"
+#include "preprocess/surface/surfel_points.h"
+#include "preprocess/write/cloud_writer.h"
+
+namespace glowworm {
+namespace {
+
+struct SurfaceFlags {
+    std::filesystem::path input;
+    ReadSettings read;
+    SurfaceSettings settings;
+};
+
+nlohmann::ordered_json run_surface(Run& run, const SurfaceFlags& flags) {
+    const std::filesystem::path& output = run.flags.output;
+    require_distinct(output, {flags.input});
+    check_cloud_extension(output);
+
+    run.console.phase("read", "points");
+    const PointCloud cloud = read_cloud(flags.input, flags.read);
+    SurfaceReport report;
+    const SurfelCloud surfels =
+        make_surfels(cloud, flags.settings, &report, run.console.phase("surface", "points"));
+    run.console.phase("write", "points");
+    write_cloud(to_points(surfels), output);
+    run.console.end_phase();
+
+    say_surface(report);
+    nlohmann::ordered_json result = {{"output", output.string()}};
+    result.update(surface_json(report));
+    return result;
+}
+
+}  // namespace
+
+void add_surface_command(Program& program) {
+    auto flags = std::make_shared<SurfaceFlags>();
+    CLI::App* command = program.add("surface", "a merged cloud to surfels: normals, NDF vectors, radii",
+                                    true, [flags](Run& run) { return run_surface(run, *flags); });
+    command->add_option("cloud", flags->input, "the cloud, as `glowworm merge` writes it")->required();
+    add_read_flags(*command, flags->read);
+    add_surface_flags(*command, flags->settings);
+}
+
+}  // namespace glowworm
