@@ -350,11 +350,11 @@ std::vector<std::string> check_octree_file(const std::filesystem::path& path) {
     }
     try {
         const OctreeFile file = OctreeFile::open(path);
-        const auto* bytes = reinterpret_cast<const char*>(&file.header());
         Sentences sentences;
-        check_checksums(file.header(), {bytes, file.bytes()}, sentences);
+        check_checksums(file.header(), file.contents(), sentences);
         const Sentences structure = check_octree(file.view());
         sentences.insert(sentences.end(), structure.begin(), structure.end());
+        file.require_intact();
         return sentences;
     } catch (const Error& error) {
         return {error.what()};

@@ -260,6 +260,8 @@ class Joiner {
             joined.sample_count += tile.sample_count;
             joined.dropped_count += tile.dropped_count;
         }
+        for (const OctreeFile& file : files_)
+            file.require_intact();
         writer_.finish(joined);
     }
 

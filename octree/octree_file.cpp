@@ -1,7 +1,6 @@
 #include "octree/octree_file.h"
 
 #include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
@@ -10,9 +9,11 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <system_error>
 
 #include "octree/atomic_file.h"
 #include "octree/error.h"
+#include "octree/file_mapping.h"
 
 namespace glowworm {
 namespace {
@@ -188,20 +189,31 @@ OctreeFile OctreeFile::open(const std::filesystem::path& path) {
     if (static_cast<std::size_t>(got) < sizeof first_page)
         refuse(path, "was cut while it was read");
 
-    void* mapped = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, file.value, 0);
-    if (mapped == MAP_FAILED) {
-        refuse(path, std::string("cannot be mapped: ") + std::strerror(errno));
-    }
     OctreeFile out;
-    out.mapping_ = std::shared_ptr<const void>(
-        mapped, [size](const void* p) { ::munmap(const_cast<void*>(p), size); });
-    out.bytes_ = size;
-    out.view_ = view_of(path, static_cast<const char*>(mapped), header);
+    out.path_ = path;
+    out.header_ = header;
+    try {
+        out.mapping_ = std::make_shared<const FileMapping>(file.value, size);
+    } catch (const std::system_error& error) {
+        refuse(path, std::string("cannot be mapped: ") + error.what());
+    }
+    out.view_ = view_of(path, static_cast<const char*>(out.mapping_->data()), header);
+    out.require_intact();
     return out;
 }
 
+std::span<const char> OctreeFile::contents() const {
+    return {static_cast<const char*>(mapping_->data()), header_.file_bytes};
+}
+
+void OctreeFile::require_intact() const {
+    if (!mapping_->is_intact()) {
+        refuse(path_, "was cut short by another program while it was read; write it again");
+    }
+}
+
 void OctreeFile::forget_pages() const {
-    ::madvise(const_cast<void*>(mapping_.get()), bytes_, MADV_DONTNEED);
+    mapping_->forget_pages();
 }
 
 }  // namespace glowworm

@@ -33,25 +33,34 @@ struct OctreeView {
     std::uint32_t links_per_lobe = 0;
 };
 
-/// A file mapped read-only.
+class FileMapping;
+
+/// A file mapped read-only. Copies share the mapping; views live as long as one of them.
 class OctreeFile {
   public:
     /// Maps `path` after checking its header and the bounds of every section, in time linear in the
     /// number of sections. Throws Error (kUnreadable) for anything that is not a whole, current
-    /// .svo.
+    /// .svo. What the sections hold is not looked at: see check_structure.
     static OctreeFile open(const std::filesystem::path& path);
 
     const OctreeView& view() const { return view_; }
-    std::uint64_t bytes() const { return bytes_; }
-    const FileHeader& header() const { return *static_cast<const FileHeader*>(mapping_.get()); }
+    std::uint64_t bytes() const { return header_.file_bytes; }
+    const FileHeader& header() const { return header_; }
+    std::span<const char> contents() const;  ///< all bytes of the file
+
+    /// Throws Error (kUnreadable) if a page that was read since `open` turned out to be missing,
+    /// because another program cut the file; it read as zeros instead of raising a signal. To be
+    /// asked after the sections have been read, before what came of them is believed.
+    void require_intact() const;
 
     /// Tells the system that the pages read so far are not needed any more: they count as this
     /// program's memory until then. Views stay valid.
     void forget_pages() const;
 
   private:
-    std::shared_ptr<const void> mapping_;
-    std::uint64_t bytes_ = 0;
+    std::shared_ptr<const FileMapping> mapping_;
+    std::filesystem::path path_;
+    FileHeader header_{};
     OctreeView view_;
 };
 

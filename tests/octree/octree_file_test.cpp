@@ -10,7 +10,9 @@
 #include "octree/build.h"
 #include "octree/check.h"
 #include "octree/coarsen.h"
+#include "octree/diff.h"
 #include "octree/error.h"
+#include "octree/extract.h"
 #include "octree/statistics.h"
 #include "octree/tables.h"
 #include "testing.h"
@@ -94,6 +96,63 @@ TEST(OctreeFile, EveryTruncationIsRefused) {
     }
     std::filesystem::resize_file(folder / "whole.svo", size);
     EXPECT_NE(refusal_of(folder / "whole.svo"), "") << "zeros where the bytes were";
+}
+
+TEST(OctreeFile, CutWhileMappedIsAnErrorAndNoSignal) {
+    const ScratchFolder folder;
+    write_octree_file(build_octree(random_cloud(20000, 0.01f), {.depth = 5}).view(),
+                      folder / "a.svo");
+    const OctreeFile file = OctreeFile::open(folder / "a.svo");
+    EXPECT_NO_THROW(file.require_intact());
+    std::filesystem::resize_file(folder / "a.svo", 8192);
+    std::uint64_t sum = 0;
+    for (const PackedSurfel& s : file.view().surfels)
+        sum += s.normal;
+    EXPECT_EQ(sum, 0u) << "what is gone reads as zeros";
+    EXPECT_THROW(file.require_intact(), Error);
+    EXPECT_THAT(check_structure(file.view()), ::testing::Not(::testing::IsEmpty()));
+}
+
+TEST(OctreeFile, RandomDamageBehindAValidHeaderIsHarmless) {
+    const Octree octree = build_octree(random_cloud(60, 0.05f), {.depth = 2});
+    std::mt19937 random(11);
+    std::size_t sound = 0;
+    for (int trial = 0; trial < 100000; ++trial) {
+        // The sections as they would be mapped, some words of them replaced.
+        Octree damaged = octree;
+        const auto damage = [&](auto& records) {
+            if (records.empty() || random() % 3 != 0) return;
+            auto* words = reinterpret_cast<std::uint32_t*>(records.data());
+            const std::size_t count = records.size() * sizeof records[0] / 4;
+            const std::uint32_t values[] = {0u,
+                                            1u,
+                                            0xffffffffu,
+                                            0x7fc00000u,
+                                            words[0] + 1u,
+                                            static_cast<std::uint32_t>(random())};
+            words[random() % count] = values[random() % 6];
+        };
+        damage(damaged.levels);
+        damage(damaged.nodes);
+        damage(damaged.attributes);
+        damage(damaged.lobes);
+        damage(damaged.chunks);
+        damage(damaged.surfels);
+        damage(damaged.stations);
+        damage(damaged.area_lights);
+        const bool structure = check_structure(damaged.view()).empty();
+        check_octree(damaged.view());
+        read_stations(damaged.view());
+        if (!structure) continue;
+        // What a sound structure allows must then be possible.
+        ++sound;
+        measure_octree(damaged.view(), 1000);
+        coarsen(damaged.view(), 1);
+        extract_level(damaged.view(), 2);
+        compare_octrees(octree.view(), damaged.view());
+    }
+    EXPECT_GT(sound, 1000u);
+    EXPECT_LT(sound, 90000u);
 }
 
 TEST(OctreeFile, WhatIsNotOneSaysWhy) {
