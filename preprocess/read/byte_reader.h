@@ -42,9 +42,9 @@ class ByteReader {
     static constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
 
     void refill() {
-        buffer_.resize(kBufferBytes);
+        buffer_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kBufferBytes, left())));
         buffer_offset_ = offset_;
-        buffer_.resize(file_.read_some(offset_, buffer_.data(), kBufferBytes));
+        buffer_.resize(file_.read_some(offset_, buffer_.data(), buffer_.size()));
     }
 
     const InputFile& file_;

@@ -6,16 +6,16 @@ namespace glowworm {
 namespace {
 
 constexpr ClosedFormat kClosedFormats[] = {
-    {".fls", "a FARO scan", "FARO SCENE (File > Export > Scans, file type E57)"},
-    {".fws", "a FARO workspace", "FARO SCENE (File > Export > Scans, file type E57)"},
-    {".lsproj", "a FARO project", "FARO SCENE (File > Export > Scans, file type E57)"},
-    {".zfs", "a Zoller+Froehlich scan", "Z+F LaserControl (File > Export, file type E57)"},
-    {".zfprj", "a Zoller+Froehlich project", "Z+F LaserControl (File > Export, file type E57)"},
-    {".rdb", "a RIEGL point database", "RiSCAN PRO (Export > Point cloud, file type E57)"},
-    {".rdbx", "a RIEGL point database", "RiSCAN PRO (Export > Point cloud, file type E57)"},
-    {".rxp", "a RIEGL data stream", "RiSCAN PRO (Export > Point cloud, file type E57)"},
-    {".rcp", "an Autodesk ReCap project", "ReCap Pro (Export > E57)"},
-    {".rcs", "an Autodesk ReCap scan", "ReCap Pro (Export > E57)"},
+    {".fls", "a FARO scan", "FARO SCENE (menu Export, format E57)"},
+    {".fws", "a FARO workspace", "FARO SCENE (menu Export, format E57)"},
+    {".lsproj", "a FARO project", "FARO SCENE (menu Export, format E57)"},
+    {".zfs", "a Zoller+Froehlich scan", "Z+F LaserControl (menu File > Export, format E57)"},
+    {".zfprj", "a Zoller+Froehlich project", "Z+F LaserControl (menu File > Export, format E57)"},
+    {".rdb", "a RIEGL point database", "RiSCAN PRO (menu Export, format E57)"},
+    {".rdbx", "a RIEGL point database", "RiSCAN PRO (menu Export, format E57)"},
+    {".rxp", "a RIEGL data stream", "RiSCAN PRO (menu Export, format E57)"},
+    {".rcp", "an Autodesk ReCap project", "ReCap Pro (menu Export, format E57)"},
+    {".rcs", "an Autodesk ReCap scan", "ReCap Pro (menu Export, format E57)"},
 };
 
 }  // namespace

@@ -26,7 +26,10 @@ void append_utf16(std::string_view bytes, TextEncoding encoding, std::vector<cha
 }
 
 LineReader::LineReader(const InputFile& file, std::uint64_t offset)
-    : file_(file), buffer_(kBufferBytes), buffer_offset_(offset) {
+    // A byte more than a small file has, so that only a line too long fills the buffer.
+    : file_(file),
+      buffer_(static_cast<std::size_t>(std::min<std::uint64_t>(kBufferBytes, file.size() + 1))),
+      buffer_offset_(offset) {
     if (offset == 0) {
         char mark[3] = {};
         const std::size_t got = file.read_some(0, mark, sizeof mark);

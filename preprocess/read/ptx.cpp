@@ -179,7 +179,8 @@ class PtxFile final : public ScanFile {
         using enum Column;
         shape_.columns = {kX, kY, kZ, kIntensity, kRed, kGreen, kBlue};
         shape_.columns.resize(count >= 7 ? 7 : count >= 4 ? 4 : 3);
-        values_.resize(kBlockPoints * shape_.columns.size());
+        const auto rows = std::min<std::uint64_t>(kBlockPoints, file_.size() / 6 + 1);
+        values_.resize(static_cast<std::size_t>(rows) * shape_.columns.size());
         layout_ = layout_of(shape_);
     }
 

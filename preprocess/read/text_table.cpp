@@ -33,8 +33,10 @@ class TextTable final : public ScanFile {
           shape_(std::move(shape)),
           layout_(layout_of(shape_)),
           counted_(counted) {
-        values_.resize(std::min(kBlockPoints, kBlockValues / shape_.columns.size()) *
-                       shape_.columns.size());
+        // Three numbers and what parts them take at least six bytes of the file.
+        const std::size_t rows = std::min({kBlockPoints, kBlockValues / shape_.columns.size(),
+                                           static_cast<std::size_t>(file_.size() / 6 + 1)});
+        values_.resize(rows * shape_.columns.size());
     }
 
     Format format() const override {
