@@ -5,12 +5,58 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <numeric>
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
+// Eight distances at a time where the processor can. No fused operations (-ffp-contract=off), so
+// every clone gives the same bits. The sanitizers start too late for the choice at load time.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__)
+#define GLOWWORM_WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define GLOWWORM_WIDE
+#endif
 
 namespace glowworm {
 namespace {
 
-constexpr std::uint32_t kBlock = 256;
+/// The gathered points are padded to a multiple of this, so that loops have no rest.
+constexpr std::size_t kLanes = 16;
+
+/// Steps after which a bound that still has too many points within it is good enough: the nearest
+/// of them are then picked one by one.
+constexpr int kSteps = 10;
+
+GLOWWORM_WIDE
+void measure_distances(const float* __restrict x, const float* __restrict y,
+                       const float* __restrict z, std::size_t size, Vec3f from,
+                       float* __restrict distance2) {
+    for (std::size_t i = 0; i < size; ++i) {
+        const float dx = x[i] - from.x, dy = y[i] - from.y, dz = z[i] - from.z;
+        distance2[i] = dx * dx + dy * dy + dz * dz;
+    }
+}
+
+GLOWWORM_WIDE
+std::size_t count_within(const float* distance2, std::size_t size, float bound) {
+    std::uint32_t count = 0;
+    for (std::size_t i = 0; i < size; ++i)
+        count += distance2[i] <= bound ? 1 : 0;
+    return count;
+}
+
+GLOWWORM_WIDE
+float largest_within(const float* distance2, std::size_t size, float bound) {
+    float largest = 0.0f;
+    for (std::size_t i = 0; i < size; ++i) {
+        const float d = distance2[i] <= bound ? distance2[i] : 0.0f;
+        largest = d > largest ? d : largest;
+    }
+    return largest;
+}
 
 float gap2(float low_a, float high_a, float low_b, float high_b) {
     const float gap = std::max(std::max(low_a - high_b, low_b - high_a), 0.0f);
@@ -25,134 +71,188 @@ float box_distance2(const Vec3f& low_a, const Vec3f& high_a, const Vec3f& low_b,
            gap2(low_a.z, high_a.z, low_b.z, high_b.z);
 }
 
-std::uint64_t make_key(float distance2, std::uint32_t index) {
-    return std::uint64_t{std::bit_cast<std::uint32_t>(distance2)} << 32 | index;
-}
-
-float key_distance2(std::uint64_t key) {
-    return std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32));
+/// Writes where values are within the bound, ascending; `size` is a multiple of kLanes.
+std::size_t places_within(const float* distance2, std::size_t size, float bound,
+                          std::uint32_t* places) {
+    std::size_t count = 0;
+#ifdef __SSE2__
+    const __m128 limit = _mm_set1_ps(bound);
+    const auto lanes = [&](std::size_t i) {
+        const __m128 within = _mm_cmple_ps(_mm_loadu_ps(distance2 + i), limit);
+        return static_cast<std::uint32_t>(_mm_movemask_ps(within));
+    };
+    for (std::size_t i = 0; i < size; i += kLanes) {
+        std::uint32_t mask = lanes(i) | lanes(i + 4) << 4 | lanes(i + 8) << 8 | lanes(i + 12) << 12;
+        for (; mask != 0; mask &= mask - 1) {
+            places[count++] =
+                static_cast<std::uint32_t>(i) + static_cast<std::uint32_t>(std::countr_zero(mask));
+        }
+    }
+#else
+    for (std::size_t i = 0; i < size; ++i) {
+        if (distance2[i] <= bound) places[count++] = static_cast<std::uint32_t>(i);
+    }
+#endif
+    return count;
 }
 
 }  // namespace
 
-/// Adds the points of [begin, end) within the bound to the candidates; when they are many, keeps
-/// the `keep` nearest and lowers the bound to the last of them.
-void NearestSearch::scan(std::uint32_t query, std::uint32_t begin, std::uint32_t end,
-                         std::size_t keep) {
-    const float qx = tree_->x[query], qy = tree_->y[query], qz = tree_->z[query];
-    for (std::uint32_t block = begin; block < end; block += kBlock) {
-        const std::uint32_t size = std::min(kBlock, end - block);
-        const float* x = tree_->x.data() + block;
-        const float* y = tree_->y.data() + block;
-        const float* z = tree_->z.data() + block;
-        float* distance2 = distance2_.data();
-        for (std::uint32_t i = 0; i < size; ++i) {
-            const float dx = x[i] - qx, dy = y[i] - qy, dz = z[i] - qz;
-            distance2[i] = dx * dx + dy * dy + dz * dz;
-        }
-        std::uint64_t* keys = keys_.data();
-        std::size_t count = candidates_;
-        for (std::uint32_t i = 0; i < size; ++i) {
-            keys[count] = make_key(distance2[i], block + i);
-            count += (distance2[i] <= bound2_) & (block + i != query);
-        }
-        candidates_ = count;
-        if (candidates_ > keep + kBlock) {
-            std::nth_element(keys, keys + keep - 1, keys + candidates_);
-            candidates_ = keep;
-            bound2_ = key_distance2(keys[keep - 1]);
-        }
+float NearestSearch::bound_of(std::size_t size, std::size_t wanted, float enough,
+                              float guess) const {
+    const float* distance2 = distance2_.data();
+    float low = 0.0f, high = enough;
+    std::size_t below = 0, above = 0;  // above: unknown until a bound had too many
+    float bound = guess;
+    if (!(bound > 0.0f && bound < enough)) {
+        bound = largest_within(distance2, size, enough);
     }
+    for (int step = 0; step < kSteps; ++step) {
+        const std::size_t within = count_within(distance2, size, bound);
+        if (within == wanted || (within < wanted && bound >= enough)) return bound;
+        if (within < wanted) {
+            low = bound;
+            below = within;
+        } else {
+            high = bound;
+            above = within;
+        }
+        // On a surface the points within a distance are as many as its square.
+        const auto count = static_cast<float>(wanted);
+        if (above == 0) {
+            bound =
+                std::min(low * std::min(1.1f * count / static_cast<float>(within), 4.0f), enough);
+        } else if (step % 4 < 3) {
+            bound = low + (high - low) * (count - static_cast<float>(below)) /
+                              static_cast<float>(above - below);
+        } else {
+            bound = std::sqrt(std::max(low, 1e-6f * high) * high);
+        }
+        if (!(bound > low && bound < high) && bound != enough) break;
+    }
+    return high;
 }
 
-/// The leaves within `reach2` of a box, without the points of `window`.
-void NearestSearch::collect_ranges(const Vec3f& low, const Vec3f& high, float reach2,
-                                   Range window) {
+/// The leaves within `reach2` of a box, those that follow each other joined.
+void NearestSearch::collect_ranges(const Vec3f& low, const Vec3f& high, float reach2) {
     ranges_.clear();
     stack_.assign(1, 0);
     while (!stack_.empty()) {
         const PointTree::Node& node = tree_->nodes[stack_.back()];
         stack_.pop_back();
-        const std::uint32_t end = node.first + node.count;
-        if (node.first >= window.begin && end <= window.end) continue;
-        if (box_distance2(low, high, node.low, node.high) > reach2) continue;
-        if (node.children > 0) {
-            for (std::uint32_t c = node.children; c-- > 0;)
-                stack_.push_back(node.first_child + c);
+        if (node.children == 0) {
+            if (!ranges_.empty() && ranges_.back().end == node.first) {
+                ranges_.back().end = node.first + node.count;
+            } else {
+                ranges_.push_back({node.first, node.first + node.count});
+            }
             continue;
         }
-        if (node.first < window.begin) {
-            ranges_.push_back({node.first, std::min(end, window.begin), node.low, node.high});
-        }
-        if (end > window.end) {
-            ranges_.push_back({std::max(node.first, window.end), end, node.low, node.high});
+        for (std::uint32_t c = node.first_child + node.children; c-- > node.first_child;) {
+            const PointTree::Node& child = tree_->nodes[c];
+            if (box_distance2(low, high, child.low, child.high) <= reach2) stack_.push_back(c);
         }
     }
 }
 
-void NearestSearch::search(std::span<const std::uint32_t> queries, int count, float radius) {
-    const auto keep = static_cast<std::size_t>(std::max(count, 0));
-    const std::size_t n = queries.size();
-    stride_ = keep;
-    indices_.resize(n * keep);
-    nearest_.resize(n * keep);
-    found_.assign(n, 0);
-    bound2_of_.assign(n, 0.0f);
-    if (n == 0 || keep == 0) return;
-    keys_.resize(keep + 2 * kBlock);
-    distance2_.resize(kBlock);
-    const float radius2 = radius * radius;
+void NearestSearch::gather(std::span<const std::uint32_t> queries, int count, float radius) {
+    radius2_ = radius * radius;
 
-    // First the points around the queries in Morton order: they bound how far the walk must reach.
+    // The points around the queries in Morton order bound how far their neighbours can be.
     const auto [first, last] = std::minmax_element(queries.begin(), queries.end());
-    const auto reach = static_cast<std::uint32_t>(keep);
+    const auto reach = static_cast<std::uint32_t>(count);
     const auto total = static_cast<std::uint32_t>(tree_->size());
-    const Range window{*first > reach ? *first - reach : 0,
-                       total - *last > reach ? *last + 1 + reach : total,
-                       {},
-                       {}};
+    const std::uint32_t begin = *first - std::min(*first, reach);
+    const std::uint32_t end = total - *last > reach ? *last + 1 + reach : total;
+    const std::size_t window = end - begin;
+    const auto wanted = static_cast<std::size_t>(count) + 1;  // the point itself is among them
+    distance2_.resize(std::max(distance2_.size(), window));
     Vec3f low = tree_->position(queries[0]), high = low;
     float reach2 = 0.0f;
-    for (std::size_t i = 0; i < n; ++i) {
-        low = component_min(low, tree_->position(queries[i]));
-        high = component_max(high, tree_->position(queries[i]));
-        candidates_ = 0;
-        bound2_ = radius2;
-        scan(queries[i], window.begin, std::min(window.end, total), keep);
-        if (candidates_ >= keep) {
-            std::nth_element(keys_.begin(), keys_.begin() + static_cast<std::ptrdiff_t>(keep) - 1,
-                             keys_.begin() + static_cast<std::ptrdiff_t>(candidates_));
-            candidates_ = keep;
-            bound2_ = key_distance2(keys_[keep - 1]);
-        }
-        std::copy_n(keys_.begin(), candidates_,
-                    nearest_.begin() + static_cast<std::ptrdiff_t>(i * keep));
-        found_[i] = candidates_;
-        bound2_of_[i] = bound2_;
-        reach2 = std::max(reach2, bound2_);
+    for (const std::uint32_t query : queries) {
+        const Vec3f position = tree_->position(query);
+        low = component_min(low, position);
+        high = component_max(high, position);
+        measure_distances(tree_->x.data() + begin, tree_->y.data() + begin, tree_->z.data() + begin,
+                          window, position, distance2_.data());
+        const float bound = bound_of(window, wanted, radius2_, reach2);
+        reach2 = std::max(reach2, bound);
     }
 
-    collect_ranges(low, high, reach2, window);
-
-    for (std::size_t i = 0; i < n; ++i) {
-        const Vec3f position = tree_->position(queries[i]);
-        candidates_ = found_[i];
-        bound2_ = bound2_of_[i];
-        std::copy_n(nearest_.begin() + static_cast<std::ptrdiff_t>(i * keep), candidates_,
-                    keys_.begin());
-        for (const Range& range : ranges_) {
-            if (box_distance2(position, position, range.low, range.high) > bound2_) continue;
-            scan(queries[i], range.begin, range.end, keep);
-        }
-        const auto candidates = keys_.begin() + static_cast<std::ptrdiff_t>(candidates_);
-        found_[i] = std::min(candidates_, keep);
-        const auto end = keys_.begin() + static_cast<std::ptrdiff_t>(found_[i]);
-        if (candidates_ > keep) std::nth_element(keys_.begin(), end - 1, candidates);
-        std::sort(keys_.begin(), end);
-        for (std::size_t j = 0; j < found_[i]; ++j) {
-            indices_[i * keep + j] = static_cast<std::uint32_t>(keys_[j]);
-        }
+    collect_ranges(low, high, reach2);
+    gathered_ = 0;
+    for (const Range& range : ranges_)
+        gathered_ += range.end - range.begin;
+    padded_ = (gathered_ + kLanes - 1) / kLanes * kLanes;
+    if (index_.size() < padded_) {
+        x_.resize(padded_);
+        y_.resize(padded_);
+        z_.resize(padded_);
+        index_.resize(padded_);
+        chosen_.resize(padded_);
+        result_.resize(padded_);
     }
+    distance2_.resize(std::max(distance2_.size(), padded_));
+    std::size_t place = 0;
+    for (const Range& range : ranges_) {
+        const std::size_t size = range.end - range.begin;
+        std::copy_n(tree_->x.data() + range.begin, size, x_.data() + place);
+        std::copy_n(tree_->y.data() + range.begin, size, y_.data() + place);
+        std::copy_n(tree_->z.data() + range.begin, size, z_.data() + place);
+        std::iota(index_.data() + place, index_.data() + place + size, range.begin);
+        place += size;
+    }
+    std::fill(x_.data() + gathered_, x_.data() + padded_, std::numeric_limits<float>::infinity());
+    std::fill(y_.data() + gathered_, y_.data() + padded_, 0.0f);
+    std::fill(z_.data() + gathered_, z_.data() + padded_, 0.0f);
+}
+
+void NearestSearch::measure(std::uint32_t query) {
+    query_ = query;
+    measure_distances(x_.data(), y_.data(), z_.data(), padded_, tree_->position(query),
+                      distance2_.data());
+}
+
+/// Puts the places (in the gathered arrays) of the `count` nearest, ascending, into chosen_.
+void NearestSearch::select(int count) {
+    const auto keep = static_cast<std::size_t>(count);
+    const float bound = bound_of(padded_, keep + 1, radius2_, guess_);
+    guess_ = bound;
+    std::size_t found = places_within(distance2_.data(), padded_, bound, chosen_.data());
+    const auto self = std::find_if(chosen_.data(), chosen_.data() + found,
+                                   [&](std::uint32_t place) { return index_[place] == query_; });
+    if (self != chosen_.data() + found) {
+        std::copy(self + 1, chosen_.data() + found, self);
+        --found;
+    }
+    chosen_count_ = std::min(found, keep);
+    if (found <= keep) return;
+    // Too many because some are equally far: the smaller index, which is the smaller place, goes
+    // first.
+    const auto middle = chosen_.begin() + static_cast<std::ptrdiff_t>(keep);
+    std::nth_element(chosen_.begin(), middle, chosen_.begin() + static_cast<std::ptrdiff_t>(found),
+                     [&](std::uint32_t a, std::uint32_t b) { return is_nearer(a, b); });
+    std::sort(chosen_.begin(), middle);
+}
+
+bool NearestSearch::is_nearer(std::uint32_t a, std::uint32_t b) const {
+    return distance2_[a] < distance2_[b] || (distance2_[a] == distance2_[b] && a < b);
+}
+
+std::span<const std::uint32_t> NearestSearch::nearest(int count) {
+    select(count);
+    for (std::size_t i = 0; i < chosen_count_; ++i)
+        result_[i] = index_[chosen_[i]];
+    return {result_.data(), chosen_count_};
+}
+
+std::span<const std::uint32_t> NearestSearch::nearest_in_order(int count) {
+    select(count);
+    std::sort(chosen_.begin(), chosen_.begin() + static_cast<std::ptrdiff_t>(chosen_count_),
+              [&](std::uint32_t a, std::uint32_t b) { return is_nearer(a, b); });
+    for (std::size_t i = 0; i < chosen_count_; ++i)
+        result_[i] = index_[chosen_[i]];
+    return {result_.data(), chosen_count_};
 }
 
 std::vector<std::uint32_t> nearest_neighbours(const PointTree& tree, int count, float radius) {
@@ -166,10 +266,11 @@ std::vector<std::uint32_t> nearest_neighbours(const PointTree& tree, int count, 
                 const PointTree::Node& leaf = tree.nodes[tree.leaves[l]];
                 queries.resize(leaf.count);
                 std::iota(queries.begin(), queries.end(), leaf.first);
-                search.search(queries, count, radius);
-                for (std::size_t i = 0; i < queries.size(); ++i) {
-                    std::ranges::copy(search.found(i), rows.begin() + static_cast<std::ptrdiff_t>(
-                                                                          queries[i] * stride));
+                search.gather(queries, count, radius);
+                for (const std::uint32_t i : queries) {
+                    search.measure(i);
+                    std::ranges::copy(search.nearest_in_order(count),
+                                      rows.begin() + static_cast<std::ptrdiff_t>(i * stride));
                 }
             }
         });

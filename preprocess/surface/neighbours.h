@@ -12,43 +12,55 @@ namespace glowworm {
 
 inline constexpr std::uint32_t kNoNeighbour = std::numeric_limits<std::uint32_t>::max();
 
-/// The nearest other points of a few points that lie close together, found in one walk of the tree.
-/// A thread keeps one and reuses its memory.
+/// Exact nearest neighbours of points that lie close together, as those of a leaf do: the points
+/// that can be neighbours of any of them are gathered once, side by side, and then every one of
+/// them measures all. A thread keeps one and reuses its memory.
 class NearestSearch {
   public:
     explicit NearestSearch(const PointTree& tree) : tree_(&tree) {}
 
-    /// Finds for each of `queries` (indices into the tree, best those of one leaf) its `count`
-    /// nearest other points within `radius` (m, the bound included), ties by smaller index.
-    void search(std::span<const std::uint32_t> queries, int count, float radius);
+    /// Gathers the points among which are, for each of `queries` (indices into the tree, at least
+    /// one), the `count` nearest others within `radius` (m, the bound included).
+    void gather(std::span<const std::uint32_t> queries, int count, float radius);
 
-    /// The neighbours of queries[i] in the last search, nearest first; fewer where there are fewer.
-    std::span<const std::uint32_t> found(std::size_t i) const {
-        return {indices_.data() + i * stride_, found_[i]};
-    }
+    /// Measures one of the gathered queries for the calls of `nearest` that follow.
+    void measure(std::uint32_t query);
+
+    /// The `count` nearest others (at most those gathered for) of the measured point, ties by
+    /// smaller index, in the order of the tree, or all within the radius where they are fewer.
+    /// Valid until the next call.
+    std::span<const std::uint32_t> nearest(int count);
+
+    /// How many were gathered.
+    std::size_t gathered() const { return gathered_; }
+
+    /// The same, nearest first.
+    std::span<const std::uint32_t> nearest_in_order(int count);
 
   private:
     struct Range {
         std::uint32_t begin, end;
-        Vec3f low, high;
     };
 
-    void collect_ranges(const Vec3f& low, const Vec3f& high, float reach2, Range window);
-    void scan(std::uint32_t query, std::uint32_t begin, std::uint32_t end, std::size_t keep);
+    /// A squared distance within which at least `wanted` of the `size` values in distance2_ are,
+    /// `wanted` itself if ties permit, given one that is large enough.
+    float bound_of(std::size_t size, std::size_t wanted, float enough, float guess) const;
+    void collect_ranges(const Vec3f& low, const Vec3f& high, float reach2);
+    void select(int count);
+    bool is_nearer(std::uint32_t a, std::uint32_t b) const;
 
     const PointTree* tree_;
-    std::size_t stride_ = 0;
-    std::vector<std::uint32_t> indices_;  // [queries x stride_]
-    std::vector<std::size_t> found_;      // [queries]
-    std::vector<float> bound2_of_;        // [queries]
-
-    // Candidates of one query: squared distance in the upper half, index in the lower, so that
-    // numbers order as (distance, index) do. Distances are not negative, so their bits order them.
-    std::vector<std::uint64_t> keys_;
-    std::size_t candidates_ = 0;
-    float bound2_ = 0.0f;
-    std::vector<std::uint64_t> nearest_;  // [queries x stride_] from the window
-    std::vector<float> distance2_;        // [block]
+    float radius2_ = 0.0f;
+    std::uint32_t query_ = 0;
+    float guess_ = 0.0f;                // squared distance that the last search ended at
+    std::vector<float> x_, y_, z_;      // the gathered points, padded with infinity
+    std::vector<std::uint32_t> index_;  // where they are in the tree
+    std::size_t gathered_ = 0;          // without the padding
+    std::size_t padded_ = 0;
+    std::vector<float> distance2_;       // from query_ to the gathered points
+    std::vector<std::uint32_t> chosen_;  // places among the gathered
+    std::size_t chosen_count_ = 0;
+    std::vector<std::uint32_t> result_;  // indices into the tree
     std::vector<Range> ranges_;
     std::vector<std::uint32_t> stack_;
 };

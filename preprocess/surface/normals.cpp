@@ -63,13 +63,13 @@ class LeafFit {
         std::iota(queries_.begin(), queries_.end(), leaf.first);
         noisy_.clear();
         odd_.clear();
-        search_.search(queries_, settings_.k - 1, settings_.radius);
+        search_.gather(queries_, settings_.k - 1, settings_.radius);
         const auto stride = static_cast<std::size_t>(table_.count);
-        for (std::size_t q = 0; q < queries_.size(); ++q) {
-            const std::uint32_t i = queries_[q];
-            const auto found = search_.found(q);
-            std::ranges::copy(found.first(std::min(found.size(), stride)),
+        for (const std::uint32_t i : queries_) {
+            search_.measure(i);
+            std::ranges::copy(search_.nearest(table_.count),
                               table_.rows.begin() + static_cast<std::ptrdiff_t>(i * stride));
+            const auto found = search_.nearest(settings_.k - 1);
             const PlaneFit plane = fit_side(i, found);
             planes_[i] = to_local_plane(plane);
             const bool more_are_there = found.size() + 1 == static_cast<std::size_t>(settings_.k);
@@ -87,11 +87,11 @@ class LeafFit {
     /// that was chosen for being wide lies farther than chance has it.
     void grow_noisy() {
         for (int size = 2 * settings_.k; !noisy_.empty() && size <= settings_.max_k; size *= 2) {
-            search_.search(noisy_, size - 1, settings_.radius);
+            search_.gather(noisy_, size - 1, settings_.radius);
             std::size_t still_noisy = 0;
-            for (std::size_t q = 0; q < noisy_.size(); ++q) {
-                const std::uint32_t i = noisy_[q];
-                LocalPlane plane = to_local_plane(fit_side(i, search_.found(q)));
+            for (const std::uint32_t i : noisy_) {
+                search_.measure(i);
+                LocalPlane plane = to_local_plane(fit_side(i, search_.nearest(size - 1)));
                 if (!(plane.area > 0.0f)) continue;
                 if (plane.thickness > kNoiseAlone * settings_.range_noise) continue;
                 plane.area = planes_[i].area;
@@ -105,10 +105,12 @@ class LeafFit {
     /// A stretch of one scan line needs its neighbour lines before it says anything.
     void widen_odd() {
         if (odd_.empty()) return;
-        search_.search(odd_, settings_.max_k - 1, settings_.radius);
-        for (std::size_t q = 0; q < odd_.size(); ++q) {
-            const LocalPlane plane = to_local_plane(fit_side(odd_[q], search_.found(q)));
-            if (plane.area > 0.0f) planes_[odd_[q]] = plane;
+        const int most = settings_.max_k - 1;
+        search_.gather(odd_, most, settings_.radius);
+        for (const std::uint32_t i : odd_) {
+            search_.measure(i);
+            const LocalPlane plane = to_local_plane(fit_side(i, search_.nearest(most)));
+            if (plane.area > 0.0f) planes_[i] = plane;
         }
     }
 

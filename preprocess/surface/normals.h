@@ -45,11 +45,11 @@ struct NormalSettings {
     int max_k = 64;
     float radius = 1.0f;        ///< m
     float range_noise = 0.0f;   ///< m
-    float slope_error = 0.03f;  ///< rad
+    float slope_error = 0.04f;  ///< rad
 };
 
-/// Neighbours that later steps look at again, [n x count] in tree order, nearest first, filled up
-/// with kNoNeighbour.
+/// The nearest of the neighbours, which later steps look at again: [n x count] in tree order,
+/// filled up with kNoNeighbour.
 struct NeighbourTable {
     int count = 0;
     std::vector<std::uint32_t> rows;

@@ -34,8 +34,8 @@ struct PointTree {
 /// Coordinates beyond this are taken as broken, m.
 inline constexpr float kFarthest = 1e7f;
 
-/// Points per leaf: few enough to search, enough to share one walk down the tree.
-inline constexpr std::uint32_t kLeafPoints = 16;
+/// Points per leaf: few enough to measure all, enough to share one walk down the tree.
+inline constexpr std::uint32_t kLeafPoints = 32;
 
 /// Sorts and boxes `positions` (fewer than 2^32). Empty in, empty out. Time O(n log n), in
 /// parallel.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "preprocess/surface/neighbours.h"
 #include "preprocess/surface/plane_fit.h"
@@ -102,8 +101,9 @@ CloudScale measure_scale(const PointTree& tree, int k) {
     tbb::parallel_for(std::size_t{0}, sample, [&](std::size_t s) {
         const auto i = static_cast<std::uint32_t>(s * tree.size() / sample);
         NearestSearch search(tree);
-        search.search({&i, 1}, kSecondOpinion * k - 1, std::numeric_limits<float>::infinity());
-        const auto many = search.found(0);
+        search.gather({&i, 1}, kSecondOpinion * k - 1, kFarthest);
+        search.measure(i);
+        const auto many = search.nearest_in_order(kSecondOpinion * k - 1);
         const auto few = many.first(std::min(many.size(), static_cast<std::size_t>(k) - 1));
         distances[s] = length(tree.position(few.back()) - tree.position(i));
         const PlaneFit wide = fit_plane(moments_of(tree, i, many));

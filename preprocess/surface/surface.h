@@ -25,7 +25,7 @@ struct SurfaceSettings {
     float range_noise = -1.0f;
 
     /// Neighbourhoods grow until the noise turns their normal by less than this, rad.
-    float slope_error = 0.03f;
+    float slope_error = 0.04f;
 
     /// Fit the points of one side of an edge only, where a neighbourhood crosses one.
     bool sharp_edges = true;

@@ -33,21 +33,23 @@ std::vector<float> spacing_radii(std::span<const Vec3f> positions) {
                 const PointTree::Node& leaf = tree.nodes[tree.leaves[l]];
                 queries.resize(leaf.count);
                 std::iota(queries.begin(), queries.end(), leaf.first);
-                search.search(queries, kSpacingPoints - 1, kFarthest);
-                for (std::size_t q = 0; q < queries.size(); ++q) {
-                    const Vec3f origin = tree.position(queries[q]);
+                search.gather(queries, kSpacingPoints - 1, kFarthest);
+                for (const std::uint32_t i : queries) {
+                    search.measure(i);
+                    const auto found = search.nearest_in_order(kSpacingPoints - 1);
+                    const Vec3f origin = tree.position(i);
                     Moments moments;
                     moments.add({});
-                    for (const std::uint32_t j : search.found(q)) {
+                    for (const std::uint32_t j : found) {
                         moments.add(vec3_cast<double>(tree.position(j) - origin));
                     }
                     const PlaneFit fit = fit_plane(moments);
-                    float& radius = radii[tree.order[queries[q]]];
+                    float& radius = radii[tree.order[i]];
                     if (fit.is_planar()) {
                         radius =
                             static_cast<float>(std::sqrt(area_per_point(fit) / std::numbers::pi));
-                    } else if (!search.found(q).empty()) {
-                        radius = length(tree.position(search.found(q)[0]) - origin);
+                    } else if (!found.empty()) {
+                        radius = length(tree.position(found[0]) - origin);
                     }
                 }
             }
