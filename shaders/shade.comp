@@ -2,6 +2,12 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame_layout.h"
 #include "view.glsl"
+
+// A pixel's sub-pixels share its samples of an area light: each takes others of the same grid.
+layout(location = 1) uniform int sub_pixels;   // along a pixel's edge
+vec2 area_phase = vec2(0.5);
+#define AREA_SAMPLES ((6 + sub_pixels - 1) / sub_pixels)
+#define AREA_PHASE area_phase
 #include "direct_light.glsl"
 #include "light_lookup.glsl"
 #include "panel.glsl"
@@ -39,6 +45,7 @@ void main() {
         surfaces[pixel] = vec4(lit_side ? normal : -normal, panel_depth);
         albedos[pixel] = vec4(0.0, 0.0, 0.0, 1.0);
     } else if (hit) {
+        area_phase = (vec2(gl_GlobalInvocationID.xy % uint(sub_pixels)) + 0.5) / float(sub_pixels);
         vec3 position = eye + along * surface.w;
         vec3 brdf = albedos[pixel].rgb / kPi;
         from_lights = brdf * direct_irradiance(position, surface.xyz);

@@ -59,11 +59,11 @@ void Frame::set_panels(std::span<const AreaLight> panels) {
     shading_.set_panels(panels, octree_.grid.origin);
 }
 
-void Frame::draw(const View& view, const LightField& light) {
+void Frame::draw(const View& view, const LightField& light, int sub_pixels) {
     const auto selection =
         select_chunks(octree_.chunks, octree_.grid.origin, view, settings_.selection);
     gbuffer_.draw(octree_, cloud_, selection, view);
-    shading_.draw(gbuffer_, light, view);
+    shading_.draw(gbuffer_, light, view, sub_pixels);
 }
 
 FrameLayers Frame::render(const View& view, const LightField& light, const Progress& progress) {
@@ -74,7 +74,7 @@ FrameLayers Frame::render(const View& view, const LightField& light, const Progr
         for (int left = 0; left < view.width; left += edge) {
             const int width = std::min(edge, view.width - left);
             const int height = std::min(edge, view.height - top);
-            draw(supersampled(tile_of(view, left, top, width, height), samples), light);
+            draw(supersampled(tile_of(view, left, top, width, height), samples), light, samples);
 
             const std::size_t count = static_cast<std::size_t>(width * height * samples * samples);
             const auto read = [&](const Buffer& buffer) { return buffer.read<gpu::vec4>(count); };

@@ -23,7 +23,8 @@ class Frame {
     void set_panels(std::span<const AreaLight> panels);
 
     /// Select, splat, shade: `view`'s pixels lie in beauty() afterwards.
-    void draw(const View& view, const LightField& light);
+    /// `sub_pixels` squared of them will become one.
+    void draw(const View& view, const LightField& light, int sub_pixels = 1);
 
     /// A frame of any size with all its layers, tile by tile; `progress` counts pixels.
     FrameLayers render(const View& view, const LightField& light, const Progress& progress = {});

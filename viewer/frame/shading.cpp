@@ -23,7 +23,8 @@ void Shading::set_panels(std::span<const AreaLight> panels, const Vec3d& origin)
     panel_count_ = static_cast<std::uint32_t>(records.size());
 }
 
-void Shading::draw(const GBuffer& gbuffer, const LightField& light, const View& view) {
+void Shading::draw(const GBuffer& gbuffer, const LightField& light, const View& view,
+                   int sub_pixels) {
     const auto width = static_cast<GLuint>(view.width), height = static_cast<GLuint>(view.height);
     const std::size_t bytes = std::size_t{width} * height * sizeof(gpu::vec4);
     if (beauty_.bytes() != bytes) {
@@ -41,6 +42,7 @@ void Shading::draw(const GBuffer& gbuffer, const LightField& light, const View& 
     emission_.bind_storage(BINDING_PIXEL_EMISSION);
     beauty_.bind_storage(BINDING_PIXEL_BEAUTY);
     set_uniform(shade_, 0, panel_count_);
+    set_uniform(shade_, 1, static_cast<std::int32_t>(sub_pixels));
     shade_.use();
     glDispatchCompute((width + 7) / 8, (height + 7) / 8, 1);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);

@@ -17,8 +17,11 @@ class Shading {
     /// What emits and is seen; `origin` is the octree's, m, world.
     void set_panels(std::span<const AreaLight> panels, const Vec3d& origin);
 
-    /// Shades `view`'s pixels; where a panel is in front it takes the surface's place.
-    void draw(const GBuffer& gbuffer, const LightField& light, const View& view);
+    /// Shades `view`'s pixels; where a panel is in front it takes the surface's place. Squares of
+    /// `sub_pixels` x `sub_pixels` from the first on will be averaged: they share the samples of
+    /// area lights.
+    void draw(const GBuffer& gbuffer, const LightField& light, const View& view,
+              int sub_pixels = 1);
 
     /// [pixels] vec4 of radiance, W·sr⁻¹·m⁻².
     const Buffer& direct() const { return direct_; }
