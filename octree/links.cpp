@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "octree/close_patches.h"
+
 namespace glowworm {
 
 namespace {
@@ -49,7 +51,10 @@ Vec3f link_direction(std::uint32_t lobe, std::uint32_t ray, const Vec3f& normal)
 
 std::vector<std::uint32_t> trace_links(const OctreeView& octree, const LinkSettings& settings,
                                        const Progress& progress) {
-    const std::size_t lobes = octree.lobes.size();
+    const std::vector<Lobe> closed = close_patches(octree);
+    OctreeView traced = octree;
+    traced.lobes = closed;
+    const std::size_t lobes = closed.size();
     const std::size_t rays = settings.rays;
     std::vector<std::uint32_t> links(lobes * rays);
     for (std::size_t begin = 0; begin < lobes; begin += kLobesAtOnce) {
@@ -57,14 +62,14 @@ std::vector<std::uint32_t> trace_links(const OctreeView& octree, const LinkSetti
         const std::size_t end = std::min(lobes, begin + kLobesAtOnce);
         tbb::parallel_for(tbb::blocked_range(begin, end, 64), [&](const auto& range) {
             for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                const Lobe& lobe = octree.lobes[i];
+                const Lobe& lobe = closed[i];
                 const Vec3f normal = normalized(Vec3f{lobe.ndf[0], lobe.ndf[1], lobe.ndf[2]});
                 const auto index = static_cast<std::uint32_t>(i);
                 for (std::size_t k = 0; k < rays; ++k) {
                     const Vec3f direction =
                         link_direction(index, static_cast<std::uint32_t>(k), normal);
-                    const Ray ray = ray_from_lobe(octree, lobe, direction);
-                    links[i * rays + k] = trace_ray(octree, settings.trace, ray).lobe;
+                    const Ray ray = ray_from_lobe(traced, lobe, direction);
+                    links[i * rays + k] = trace_ray(traced, settings.trace, ray).lobe;
                 }
             }
         });

@@ -13,7 +13,7 @@ namespace glowworm {
 /// that it meets; as long as nothing moves, a bounce of light is a product over the links.
 struct LinkSettings {
     std::uint32_t rays = 64;  ///< per lobe, 1..1024
-    TraceSettings trace;
+    TraceSettings trace = {};
 };
 
 /// The direction of a lobe's ray number `ray`: a point of the R2 sequence (Roberts 2018), shifted
@@ -21,7 +21,7 @@ struct LinkSettings {
 /// point, so that it is the same on every machine. `normal` is unit.
 Vec3f link_direction(std::uint32_t lobe, std::uint32_t ray, const Vec3f& normal);
 
-/// [lobes x settings.rays] hit lobes or kNoHit, on all cores; the same on any number of them. Rays
+/// [lobes x settings.rays] hit lobes, kNoHit or kBuried, on all cores; the same on any number of them. Rays
 /// of a lobe are consecutive and the first n of them are a good set for every n. `progress` counts
 /// lobes and may throw to cancel.
 std::vector<std::uint32_t> trace_links(const OctreeView& octree, const LinkSettings& settings,

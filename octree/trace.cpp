@@ -12,6 +12,7 @@ namespace {
 constexpr float kLeastOffset = 0.25f;   // of a leaf edge: how far a ray starts off its lobe
 constexpr float kSigmasOff = 3.0f;      // of the samples' scatter about the lobe's plane
 constexpr float kLeastDistance = 0.5f;  // leaf edges: a lobe's own neighbours are not met
+constexpr float kSameSurface = 0.5f;    // cosine of 60 degrees
 constexpr float kLampHeight = 0.5f;     // leaf edges: what is that near a lamp's plane is the lamp
 constexpr float kLampCosine = 0.8f;     // and has a normal along its axis
 
@@ -23,7 +24,7 @@ class CellWalk {
         edge_ = octree.grid.voxel_size();
         const float per_edge = 1.0f / edge_;
         const auto cells = static_cast<float>(1u << depth_);
-        float enter = ray.t_min * per_edge;
+        float enter = 0.0f;
         float leave = ray.t_max * per_edge;
         for (int a = 0; a < 3; ++a) {
             origin_[a] = (ray.origin[a] - octree.grid.cube_min[a]) * per_edge;
@@ -141,63 +142,105 @@ class CellWalk {
     bool inside_ = false, started_ = false;
 };
 
+Vec3f vector_of(const float (&v)[3]) {
+    return {v[0], v[1], v[2]};
+}
+
 Vec3f unpack_bytes(std::uint32_t packed) {
     return {static_cast<float>(packed & 255u), static_cast<float>((packed >> 8) & 255u),
             static_cast<float>((packed >> 16) & 255u)};
 }
 
-/// The lower corner of a leaf's cell, m.
-Vec3f leaf_corner(const OctreeView& octree, const CellWalk& walk) {
-    const float edge = octree.grid.voxel_size();
-    return {octree.grid.cube_min.x + static_cast<float>(walk.cell(0)) * edge,
-            octree.grid.cube_min.y + static_cast<float>(walk.cell(1)) * edge,
-            octree.grid.cube_min.z + static_cast<float>(walk.cell(2)) * edge};
-}
+/// A leaf that a ray passes: its lobes, and where its cell lies.
+struct LeafAhead {
+    std::uint32_t first, last;   // lobes
+    std::uint32_t surface_last;  // of them, those before this one are surface: one or two
+    Vec3f corner;                // m: the cell's lower corner
+    float edge;                  // m
 
-/// Whether `point` on a lobe's plane lies on its piece, with `margin` in metres around it.
-bool on_patch(const Lobe& lobe, const Vec3f& corner, float edge, float margin, float reach,
+    LeafAhead(const OctreeView& octree, const CellWalk& walk) : edge(octree.grid.voxel_size()) {
+        first = walk.leaf().first;
+        last = first + ((walk.leaf().mask >> 8) & 3u);
+        surface_last = last;
+        while (surface_last > first && octree.lobes[surface_last - 1].light != 0)
+            --surface_last;
+        corner = {octree.grid.cube_min.x + static_cast<float>(walk.cell(0)) * edge,
+                  octree.grid.cube_min.y + static_cast<float>(walk.cell(1)) * edge,
+                  octree.grid.cube_min.z + static_cast<float>(walk.cell(2)) * edge};
+    }
+};
+
+/// Whether `point` on a lobe's plane lies within the box of its piece, `margin` metres wider.
+bool in_patch(const Lobe& lobe, const LeafAhead& leaf, float margin, float reach,
               const Vec3f& point) {
     const Vec3f low = unpack_bytes(lobe.patch_min);
     const Vec3f high = unpack_bytes(lobe.patch_max);
-    const float scale = edge / 255.0f;
+    const float scale = leaf.edge / 255.0f;
     for (int a = 0; a < 3; ++a) {
-        const float at = point[a] - corner[a];
+        const float at = point[a] - leaf.corner[a];
         if (at < low[a] * scale - margin || at > high[a] * scale + margin) return false;
-        if (std::abs(at - 0.5f * edge) > reach * edge) return false;
+        if (std::abs(at - 0.5f * leaf.edge) > reach * leaf.edge) return false;
     }
     return true;
+}
+
+/// Whether `point` on the plane of `lobe` lies beyond the edge that it forms with `other`, the
+/// second surface of its leaf: outside the wedge where the edge is convex, in the rock where it is
+/// concave.
+bool beyond_edge(const Lobe& lobe, const Lobe& other, const Vec3f& point) {
+    const Vec3f apart = vector_of(lobe.position) - vector_of(other.position);
+    const float side = dot(vector_of(other.ndf), apart);  // of this lobe on the other's plane
+    const float other_side = -dot(vector_of(lobe.ndf), apart);
+    if (side * other_side <= 0.0f) return false;  // they cross: not an edge
+    const float at = dot(vector_of(other.ndf), point - vector_of(other.position));
+    return side < 0.0f ? at > 0.0f : at < 0.0f;
+}
+
+/// Whether the ray meets lobe `i` of the leaf at distance t along it.
+bool meets(const OctreeView& octree, const TraceSettings& settings, const LeafAhead& leaf,
+           const Ray& ray, std::uint32_t i, float t) {
+    const Lobe& lobe = octree.lobes[i];
+    const Vec3f point = ray.origin + ray.direction * t;
+    if (!in_patch(lobe, leaf, settings.patch_margin * lobe.spacing, settings.reach, point)) {
+        return false;
+    }
+    if (leaf.surface_last - leaf.first != 2 || i >= leaf.surface_last) return true;
+    const std::uint32_t other = i == leaf.first ? leaf.first + 1 : leaf.first;
+    return !beyond_edge(lobe, octree.lobes[other], point);
+}
+
+/// The surface that a ray leaves is not met right after.
+float least_t(const Ray& ray, const Vec3f& normal) {
+    return dot(normal, ray.normal) > kSameSurface ? ray.t_min : 0.0f;
 }
 
 }  // namespace
 
 TraceHit trace_ray(const OctreeView& octree, const TraceSettings& settings, const Ray& ray) {
     CellWalk walk(octree, ray);
-    const float edge = octree.grid.voxel_size();
     TraceHit candidate;
     while (walk.next_leaf()) {
-        const Vec3f corner = leaf_corner(octree, walk);
+        const LeafAhead leaf(octree, walk);
         TraceHit nearest{kNoHit, ray.t_max};
         bool behind = false;
-        const std::uint32_t first = walk.leaf().first;
-        const std::uint32_t last = first + ((walk.leaf().mask >> 8) & 3u);
-        for (std::uint32_t i = first; i < last; ++i) {
+        for (std::uint32_t i = leaf.first; i < leaf.last; ++i) {
             const Lobe& lobe = octree.lobes[i];
-            const Vec3f normal{lobe.ndf[0], lobe.ndf[1], lobe.ndf[2]};
-            const Vec3f position{lobe.position[0], lobe.position[1], lobe.position[2]};
+            const Vec3f normal = vector_of(lobe.ndf);
+            const Vec3f offset = vector_of(lobe.position) - ray.origin;
             const float slope = dot(normal, ray.direction);
-            const float t = dot(normal, position - ray.origin) / slope;
-            const bool met = t >= ray.t_min && t < nearest.t &&
-                             on_patch(lobe, corner, edge, settings.patch_margin * lobe.spacing,
-                                      settings.reach, ray.origin + ray.direction * t);
-            if (met) {
+            const float t = dot(normal, offset) / slope;
+            const float t_min = least_t(ray, normal);
+            if (t >= t_min && t < nearest.t && meets(octree, settings, leaf, ray, i, t)) {
                 nearest = {i, t};
                 behind = slope > 0.0f;
             } else if (slope < 0.0f && candidate.lobe == kNoHit &&
-                       dot(position - ray.origin, ray.direction) > ray.t_min) {
+                       dot(offset, ray.direction) > t_min) {
                 candidate = {i, t};
             }
         }
-        if (nearest.lobe != kNoHit) return behind ? candidate : nearest;
+        if (nearest.lobe == kNoHit) continue;
+        if (!behind) return nearest;
+        return candidate.lobe != kNoHit ? candidate : TraceHit{kBuried, nearest.t};
     }
     return candidate;
 }
@@ -205,26 +248,20 @@ TraceHit trace_ray(const OctreeView& octree, const TraceSettings& settings, cons
 bool is_unoccluded(const OctreeView& octree, const TraceSettings& settings, const Ray& ray,
                    const ShadowTarget& target) {
     CellWalk walk(octree, ray);
-    const float edge = octree.grid.voxel_size();
     const Vec3f end = ray.origin + ray.direction * ray.t_max;
     while (walk.next_leaf()) {
-        const Vec3f corner = leaf_corner(octree, walk);
-        const std::uint32_t first = walk.leaf().first;
-        const std::uint32_t last = first + ((walk.leaf().mask >> 8) & 3u);
-        for (std::uint32_t i = first; i < last; ++i) {
+        const LeafAhead leaf(octree, walk);
+        for (std::uint32_t i = leaf.first; i < leaf.last; ++i) {
             const Lobe& lobe = octree.lobes[i];
             if (lobe.light != 0 && lobe.light == target.light) continue;
-            const Vec3f normal{lobe.ndf[0], lobe.ndf[1], lobe.ndf[2]};
-            const Vec3f position{lobe.position[0], lobe.position[1], lobe.position[2]};
-            const float t = dot(normal, position - ray.origin) / dot(normal, ray.direction);
-            if (!(t >= ray.t_min && t <= ray.t_max)) continue;
+            const Vec3f normal = vector_of(lobe.ndf);
+            const float t =
+                dot(normal, vector_of(lobe.position) - ray.origin) / dot(normal, ray.direction);
+            if (!(t >= least_t(ray, normal) && t <= ray.t_max)) continue;
+            if (!meets(octree, settings, leaf, ray, i, t)) continue;
             const Vec3f point = ray.origin + ray.direction * t;
-            if (!on_patch(lobe, corner, edge, settings.patch_margin * lobe.spacing, settings.reach,
-                          point)) {
-                continue;
-            }
             const bool lamps_wall =
-                std::abs(dot(target.normal, point - end)) < kLampHeight * edge &&
+                std::abs(dot(target.normal, point - end)) < kLampHeight * leaf.edge &&
                 std::abs(dot(target.normal, normal)) > kLampCosine;
             if (!lamps_wall) return false;
         }
@@ -234,10 +271,9 @@ bool is_unoccluded(const OctreeView& octree, const TraceSettings& settings, cons
 
 Ray ray_from_lobe(const OctreeView& octree, const Lobe& lobe, const Vec3f& direction) {
     const float edge = octree.grid.voxel_size();
-    const Vec3f position{lobe.position[0], lobe.position[1], lobe.position[2]};
-    const Vec3f normal = normalized(Vec3f{lobe.ndf[0], lobe.ndf[1], lobe.ndf[2]});
+    const Vec3f normal = normalized(vector_of(lobe.ndf));
     const float offset = std::max(kLeastOffset * edge, kSigmasOff * lobe.plane_sigma);
-    return {position + normal * offset, direction, kLeastDistance * edge};
+    return {vector_of(lobe.position) + normal * offset, direction, normal, kLeastDistance * edge};
 }
 
 }  // namespace glowworm

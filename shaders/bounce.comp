@@ -19,9 +19,11 @@ void main() {
     if (i >= last_lobe) return;
     uint row = (i - first_lobe) * grid.links_per_lobe;
     vec3 sum = vec3(0.0);
+    uint open_rays = 0u;   // a buried one says nothing
     for (uint ray = 0u; ray < rays; ++ray) {
         uint link = links[row + ray];
         if (link < grid.lobe_count) sum += radiance_field[link].rgb;
+        if (link != BURIED) ++open_rays;
     }
-    gathered[i] = vec4(sum * (kPi / float(rays)), 0.0);
+    gathered[i] = vec4(sum * (kPi / float(max(open_rays, 1u))), 0.0);
 }

@@ -6,6 +6,9 @@
 #ifndef AREA_SAMPLES
 #define AREA_SAMPLES 6   // per side of an area light's rectangle
 #endif
+#ifndef AREA_PHASE
+#define AREA_PHASE 0.5   // where in its cell of the rectangle a sample lies, 0..1 along both edges
+#endif
 
 layout(std430, binding = BINDING_LIGHTS) readonly buffer Lights { Light lights[]; };
 
@@ -37,7 +40,7 @@ vec3 irradiance_from_area(Light light, vec3 position, vec3 normal, float offset)
     float sum = 0.0;
     for (int v = 0; v < AREA_SAMPLES; ++v) {
         for (int u = 0; u < AREA_SAMPLES; ++u) {
-            vec2 at = (vec2(u, v) + 0.5) / float(AREA_SAMPLES);
+            vec2 at = (vec2(u, v) + AREA_PHASE) / float(AREA_SAMPLES);
             vec3 point = light.position.xyz + at.x * light.edge_u.xyz + at.y * light.edge_v.xyz;
             vec3 to_lamp = point - position;
             float squared = max(dot(to_lamp, to_lamp), 1e-12);
@@ -63,6 +66,6 @@ vec3 direct_irradiance(vec3 position, vec3 normal, float offset) {
 }
 
 vec3 direct_irradiance(vec3 position, vec3 normal) {
-    return direct_irradiance(position, normal, kLeastOffset * grid.voxel_size);
+    return direct_irradiance(position, normal, kPointOffset * grid.voxel_size);
 }
 #endif

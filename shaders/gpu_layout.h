@@ -29,6 +29,7 @@ struct vec4 {
 #define BINDING_LIGHT_GRID 0
 
 #define NO_HIT 0xffffffffu
+#define BURIED 0xfffffffeu   // octree/trace.h: kBuried
 
 // The octree's grid and how rays meet it.
 struct LightGrid {

@@ -1,6 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // The light meter: direct and indirect irradiance at surface points.
+#define AREA_SAMPLES 16
 #include "direct_light.glsl"
 #include "light_lookup.glsl"
 

@@ -3,9 +3,11 @@
 // Exact rays through the octree: the twin of octree/trace.cpp, which says why each step is so.
 #include "octree.glsl"
 
-const float kLeastOffset = 0.25;     // leaf edges: how far a ray starts off its surface
+const float kLeastOffset = 0.25;     // leaf edges: how far a ray starts off its lobe
+const float kPointOffset = 0.1;      // leaf edges: how far off a point of the surface itself
 const float kSigmasOff = 3.0;        // of the samples' scatter about the lobe's plane
-const float kLeastDistance = 0.5;    // leaf edges: a lobe's own neighbours are not met
+const float kLeastDistance = 0.5;    // leaf edges: the surface it leaves is not met nearer
+const float kSameSurface = 0.5;      // cosine of 60 degrees
 const float kLampHeight = 0.5;       // leaf edges: what is that near a lamp's plane is the lamp
 const float kLampCosine = 0.8;       // and has a normal along its axis
 const int kMaxWalkDepth = 14;        // levels the walk remembers
@@ -25,7 +27,7 @@ ivec3 cell_at(Walk w, ivec3 low, ivec3 high) {
     return ivec3(clamp(floor(w.origin + w.direction * w.t), vec3(low), vec3(high)));
 }
 
-Walk begin_walk(vec3 origin, vec3 direction, float t_min, float t_max) {
+Walk begin_walk(vec3 origin, vec3 direction, float t_max) {
     Walk w;
     float per_edge = 1.0 / grid.voxel_size;
     float cells = float(1u << grid.depth);
@@ -38,7 +40,7 @@ Walk begin_walk(vec3 origin, vec3 direction, float t_min, float t_max) {
     vec3 t1 = (vec3(cells) - w.origin) * w.inverse;
     vec3 near = min(t0, t1);
     vec3 far = max(t0, t1);
-    w.t = max(t_min * per_edge, max(near.x, max(near.y, near.z)));
+    w.t = max(0.0, max(near.x, max(near.y, near.z)));
     w.t_end = min(t_max * per_edge, min(far.x, min(far.y, far.z)));
     w.inside = w.t <= w.t_end;
     w.cell = cell_at(w, ivec3(0), ivec3((1 << int(grid.depth)) - 1));
@@ -100,7 +102,28 @@ bool find_leaf(inout Walk w) {
     return false;
 }
 
-bool on_patch(uint lobe, vec3 corner, vec3 point) {
+// A leaf that a ray passes: its lobes, and where its cell lies.
+struct LeafAhead {
+    uint first, last;    // lobes
+    uint surface_last;   // of them, those before this one are surface: one or two
+    vec3 corner;         // m
+};
+
+LeafAhead leaf_ahead(Walk w) {
+    Node node = nodes[walk_path[int(grid.depth)]];
+    LeafAhead leaf;
+    leaf.first = node.first;
+    leaf.last = node.first + lobes_of_leaf(node.mask);
+    leaf.surface_last = leaf.last;
+    if (leaf.last - leaf.first > 1u &&
+        (lobes[leaf.last - 1u].light != 0u || lobes[leaf.last - 1u].emission != 0u)) {
+        --leaf.surface_last;
+    }
+    leaf.corner = cube_min() + vec3(w.cell) * grid.voxel_size;
+    return leaf;
+}
+
+bool in_patch(uint lobe, vec3 corner, vec3 point) {
     float edge = grid.voxel_size;
     float margin = grid.patch_margin * lobes[lobe].spacing;
     vec3 at = point - corner;
@@ -110,52 +133,71 @@ bool on_patch(uint lobe, vec3 corner, vec3 point) {
            all(lessThanEqual(abs(at - 0.5 * edge), vec3(grid.reach * edge)));
 }
 
+// Whether `point` on the plane of a lobe lies beyond the edge that it forms with the second surface
+// of its leaf: outside the wedge where the edge is convex, in the rock where it is concave.
+bool beyond_edge(uint lobe, uint other, vec3 point) {
+    vec3 apart = lobe_position(lobe) - lobe_position(other);
+    float side = dot(lobe_ndf(other), apart);
+    float other_side = -dot(lobe_ndf(lobe), apart);
+    if (side * other_side <= 0.0) return false;   // they cross: not an edge
+    float at = dot(lobe_ndf(other), point - lobe_position(other));
+    return side < 0.0 ? at > 0.0 : at < 0.0;
+}
+
+bool meets(LeafAhead leaf, uint lobe, vec3 point) {
+    if (!in_patch(lobe, leaf.corner, point)) return false;
+    if (leaf.surface_last - leaf.first != 2u || lobe >= leaf.surface_last) return true;
+    return !beyond_edge(lobe, lobe == leaf.first ? leaf.first + 1u : leaf.first, point);
+}
+
 // The lobe whose front the ray meets first. A ray that slips between two pieces of plane and then
-// meets a back side, or leaves the octree, takes the first front it passed by; else NO_HIT.
-uint trace_ray(vec3 origin, vec3 direction, float t_min, float t_max) {
-    Walk w = begin_walk(origin, direction, t_min, t_max);
+// meets a back side, or leaves the octree, takes the first front it passed by; else BURIED or
+// NO_HIT. `from_normal` is that of the surface the ray leaves, which is not met before t_min.
+uint trace_ray(vec3 origin, vec3 direction, vec3 from_normal, float t_min, float t_max) {
+    Walk w = begin_walk(origin, direction, t_max);
     uint candidate = NO_HIT;
     while (find_leaf(w)) {
-        vec3 corner = cube_min() + vec3(w.cell) * grid.voxel_size;
+        LeafAhead leaf = leaf_ahead(w);
         float nearest = t_max;
         uint hit = NO_HIT;
         bool behind = false;
-        Node leaf = nodes[walk_path[int(grid.depth)]];
-        for (uint i = leaf.first; i < leaf.first + lobes_of_leaf(leaf.mask); ++i) {
+        for (uint i = leaf.first; i < leaf.last; ++i) {
             vec3 normal = lobe_ndf(i);
             vec3 offset = lobe_position(i) - origin;
             float slope = dot(normal, direction);
             float t = dot(normal, offset) / slope;
-            if (t >= t_min && t < nearest && on_patch(i, corner, origin + direction * t)) {
+            float least = dot(normal, from_normal) > kSameSurface ? t_min : 0.0;
+            if (t >= least && t < nearest && meets(leaf, i, origin + direction * t)) {
                 nearest = t;
                 hit = i;
                 behind = slope > 0.0;
-            } else if (slope < 0.0 && candidate == NO_HIT && dot(offset, direction) > t_min) {
+            } else if (slope < 0.0 && candidate == NO_HIT && dot(offset, direction) > least) {
                 candidate = i;
             }
         }
-        if (hit != NO_HIT) return behind ? candidate : hit;
+        if (hit != NO_HIT) return !behind ? hit : candidate != NO_HIT ? candidate : BURIED;
         leave_cell(w, 0);
     }
     return candidate;
 }
 
-// Whether nothing, seen from either side, lies between t_min and t_max. `tag` is what the lobes of
-// the lamp at the far end carry (0: none) and `lamp_normal` the lamp's (zero: no extent): its own
-// samples, and a wall that it is mounted flush with, do not shadow it.
-bool unoccluded(vec3 origin, vec3 direction, float t_min, float t_max, uint tag, vec3 lamp_normal) {
-    Walk w = begin_walk(origin, direction, t_min, t_max);
+// Whether nothing, seen from either side, lies before t_max. `tag` is what the lobes of the lamp at
+// the far end carry (0: none) and `lamp_normal` the lamp's (zero: no extent): its own samples, and a
+// wall that it is mounted flush with, do not shadow it.
+bool unoccluded(vec3 origin, vec3 direction, vec3 from_normal, float t_min, float t_max, uint tag,
+                vec3 lamp_normal) {
+    Walk w = begin_walk(origin, direction, t_max);
     vec3 end = origin + direction * t_max;
     while (find_leaf(w)) {
-        vec3 corner = cube_min() + vec3(w.cell) * grid.voxel_size;
-        Node leaf = nodes[walk_path[int(grid.depth)]];
-        for (uint i = leaf.first; i < leaf.first + lobes_of_leaf(leaf.mask); ++i) {
+        LeafAhead leaf = leaf_ahead(w);
+        for (uint i = leaf.first; i < leaf.last; ++i) {
             if (lobes[i].light != 0u && lobes[i].light == tag) continue;
             vec3 normal = lobe_ndf(i);
             float t = dot(normal, lobe_position(i) - origin) / dot(normal, direction);
-            if (!(t >= t_min && t <= t_max)) continue;
+            float least = dot(normal, from_normal) > kSameSurface ? t_min : 0.0;
+            if (!(t >= least && t <= t_max)) continue;
             vec3 point = origin + direction * t;
-            if (!on_patch(i, corner, point)) continue;
+            if (!meets(leaf, i, point)) continue;
             bool lamps_wall = abs(dot(lamp_normal, point - end)) < kLampHeight * grid.voxel_size &&
                               abs(dot(lamp_normal, normal)) > kLampCosine;
             if (!lamps_wall) return false;
@@ -171,11 +213,12 @@ bool visible_from(vec3 from, vec3 normal, float offset, vec3 to, uint tag, vec3 
     vec3 way = to - start;
     float distance = length(way);
     float t_min = min(kLeastDistance * grid.voxel_size, 0.5 * distance);
-    return distance <= 0.0 || unoccluded(start, way / distance, t_min, distance, tag, lamp_normal);
+    return distance <= 0.0 ||
+           unoccluded(start, way / distance, normal, t_min, distance, tag, lamp_normal);
 }
 
 // Whether the surface point `from` sees `to`.
 bool visible(vec3 from, vec3 normal, vec3 to) {
-    return visible_from(from, normal, kLeastOffset * grid.voxel_size, to, 0u, vec3(0.0));
+    return visible_from(from, normal, kPointOffset * grid.voxel_size, to, 0u, vec3(0.0));
 }
 #endif

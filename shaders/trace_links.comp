@@ -21,7 +21,7 @@ void main() {
     vec3 origin = lobe_position(i) + normal * offset;
     uint row = (i - first_lobe) * grid.links_per_lobe;
     for (uint ray = first_ray; ray < last_ray; ++ray) {
-        links[row + ray] = trace_ray(origin, link_direction(i, ray, normal),
+        links[row + ray] = trace_ray(origin, link_direction(i, ray, normal), normal,
                                      kLeastDistance * grid.voxel_size, 1e30);
     }
 }

@@ -66,6 +66,7 @@ class LightField {
 
     std::vector<gpu::vec4> read_direct() const;    ///< [lobes] W·m⁻²
     std::vector<gpu::vec4> read_indirect() const;  ///< [lobes] W·m⁻²
+    const GpuLinks& links() const { return links_; }
     const GpuOctree& octree() const { return gpu_octree_; }
     const LightSettings& settings() const { return settings_; }
 

@@ -28,7 +28,9 @@ GpuLinks::GpuLinks(const Context& context, const OctreeView& octree, const Light
     }
 
     const bool baked = octree.links_per_lobe >= rays_ && !octree.links.empty();
-    if (!baked && !context.device().software) {
+    const bool on_gpu = settings.trace_on == TraceOn::kGpu ||
+                        (settings.trace_on == TraceOn::kFaster && !context.device().software);
+    if (!baked && on_gpu) {
         trace(progress);
         return;
     }

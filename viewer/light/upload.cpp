@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string_view>
 
+#include "octree/close_patches.h"
 #include "octree/error.h"
 #include "octree/pack.h"
 
@@ -78,7 +79,8 @@ GpuOctree upload(const Context& context, const OctreeView& octree, const LightSe
     check_binding(context, "lobes", octree.lobes.size_bytes());
     GpuOctree uploaded;
     uploaded.nodes = Buffer::of("octree nodes", octree.nodes);
-    uploaded.lobes = Buffer::of("octree lobes", octree.lobes);
+    const std::vector<Lobe> closed = close_patches(octree);
+    uploaded.lobes = Buffer::of("octree lobes", std::span<const Lobe>(closed));
     uploaded.grid = {
         .cube_min_x = octree.grid.cube_min.x,
         .cube_min_y = octree.grid.cube_min.y,

@@ -11,7 +11,7 @@
 
 namespace glowworm {
 
-/// The octree's part that light needs, in GPU memory as it lies in the file.
+/// The octree's part that light needs, in GPU memory nearly as it lies in the file.
 struct GpuOctree {
     Buffer nodes;  ///< Node
     Buffer lobes;  ///< Lobe

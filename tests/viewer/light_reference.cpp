@@ -1,0 +1,169 @@
+#include "light_reference.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "octree/links.h"
+
+namespace glowworm::testing {
+
+namespace {
+
+constexpr double kMaxAlbedo = 0.99;
+
+Vec3f normal_of(const Lobe& lobe) {
+    return normalized(Vec3f{lobe.ndf[0], lobe.ndf[1], lobe.ndf[2]});
+}
+
+bool sees(const OctreeView& octree, const TraceSettings& trace, const Vec3f& from,
+          const Vec3f& normal, float offset, const Vec3f& to, const ShadowTarget& target) {
+    const Vec3f start = from + normal * offset;
+    const Vec3f way = to - start;
+    const float distance = length(way);
+    const Ray ray{start, way / distance, normal,
+                  std::min(0.5f * octree.grid.voxel_size(), 0.5f * distance), distance};
+    return is_unoccluded(octree, trace, ray, target);
+}
+
+double falloff(const SpotLight& light, double cosine) {
+    const double edge = std::cos(light.cone_deg * std::numbers::pi / 360.0);
+    const double t = std::clamp((cosine - edge) / ((1.0 - edge) * light.blend), 0.0, 1.0);
+    return std::max(cosine, 0.0) * t * t * (3.0 - 2.0 * t);
+}
+
+double spline_weight(double d, bool tricubic) {
+    d = std::abs(d);
+    if (!tricubic) return std::max(1.0 - d, 0.0);
+    if (d >= 2.0) return 0.0;
+    if (d >= 1.0) return (2.0 - d) * (2.0 - d) * (2.0 - d) / 6.0;
+    return (4.0 - 6.0 * d * d + 3.0 * d * d * d) / 6.0;
+}
+
+/// The leaf at a cell, nothing where it is empty.
+const Node* find_leaf(const OctreeView& octree, int x, int y, int z) {
+    const int depth = static_cast<int>(octree.grid.depth);
+    if (x < 0 || y < 0 || z < 0 || x >> depth != 0 || y >> depth != 0 || z >> depth != 0) {
+        return nullptr;
+    }
+    const Node* node = &octree.nodes[0];
+    for (int shift = depth - 1; shift >= 0; --shift) {
+        const unsigned octant =
+            static_cast<unsigned>((x >> shift & 1) | (y >> shift & 1) << 1 | (z >> shift & 1) << 2);
+        if ((node->mask >> octant & 1u) == 0) return nullptr;
+        node = &octree.nodes[node->first + static_cast<std::uint32_t>(
+                                               std::popcount(node->mask & ((1u << octant) - 1u)))];
+    }
+    return node;
+}
+
+}  // namespace
+
+Vec3d direct_irradiance(const OctreeView& octree, const TraceSettings& trace, const Scene& scene,
+                        const Vec3f& position, const Vec3f& normal, float offset) {
+    Vec3d sum;
+    const Vec3d p = vec3_cast<double>(position) + octree.grid.origin;
+    const Vec3d n = vec3_cast<double>(normal);
+    const auto add_lamp = [&](const Vec3d& at, const Vec3f& intensity, auto&& shape) {
+        const Vec3d way = at - p;
+        const double distance = length(way);
+        const double cosine = dot(n, way) / distance;
+        if (cosine <= 0.0) return;
+        const double strength = shape(way / distance) * cosine / (distance * distance);
+        if (strength <= 0.0) return;
+        const Vec3f to = vec3_cast<float>(at - octree.grid.origin);
+        if (!sees(octree, trace, position, normal, offset, to, {})) return;
+        sum += vec3_cast<double>(intensity) * strength;
+    };
+    for (const PointLight& light : scene.point_lights) {
+        add_lamp(light.position, light.radiant_intensity, [](const Vec3d&) { return 1.0; });
+    }
+    for (const SpotLight& light : scene.spot_lights) {
+        const Vec3d axis = normalized(light.direction);
+        add_lamp(light.position, light.radiant_intensity,
+                 [&](const Vec3d& way) { return falloff(light, -dot(way, axis)); });
+    }
+    for (std::size_t i = 0; i < scene.area_lights.size(); ++i) {
+        const AreaLight& light = scene.area_lights[i];
+        const Vec3d u = light.corners[1] - light.corners[0];
+        const Vec3d v = light.corners[3] - light.corners[0];
+        const Vec3d axis = light.normal();
+        const ShadowTarget target{vec3_cast<float>(axis), static_cast<std::uint32_t>(i + 1)};
+        for (int k = 0; k < kAreaSamples * kAreaSamples; ++k) {
+            const Vec3d at = light.corners[0] + u * ((k % kAreaSamples + 0.5) / kAreaSamples) +
+                             v * ((k / kAreaSamples + 0.5) / kAreaSamples);
+            const Vec3d way = at - p;
+            const double squared = dot(way, way);
+            const double cosines = -dot(n, way) * dot(axis, way) / squared;
+            if (dot(n, way) <= 0.0 || cosines <= 0.0) continue;
+            const Vec3f to = vec3_cast<float>(at - octree.grid.origin);
+            if (!sees(octree, trace, position, normal, offset, to, target)) continue;
+            sum += vec3_cast<double>(light.radiance) *
+                   (cosines / squared * length(cross(u, v)) / (kAreaSamples * kAreaSamples));
+        }
+    }
+    return sum;
+}
+
+std::vector<Vec3d> bounce(const OctreeView& octree, std::span<const std::uint32_t> links,
+                          std::uint32_t rays, std::span<const Vec3d> direct, int bounces) {
+    std::vector<Vec3d> indirect(octree.lobes.size()), radiance(octree.lobes.size());
+    for (int k = 0; k < bounces; ++k) {
+        for (std::size_t i = 0; i < radiance.size(); ++i) {
+            for (int c = 0; c < 3; ++c) {
+                const double albedo =
+                    std::clamp<double>(octree.lobes[i].albedo[c], 0.0, kMaxAlbedo);
+                radiance[i][c] = albedo / std::numbers::pi * (direct[i][c] + indirect[i][c]);
+            }
+        }
+        tbb::parallel_for(std::size_t{0}, indirect.size(), [&](std::size_t i) {
+            Vec3d sum;
+            int valid = 0;
+            for (std::uint32_t r = 0; r < rays; ++r) {
+                const std::uint32_t link = links[i * rays + r];
+                if (link < kBuried) sum += radiance[link];
+                valid += link != kBuried;
+            }
+            indirect[i] = sum * (std::numbers::pi / std::max(valid, 1));
+        });
+    }
+    return indirect;
+}
+
+Vec3d look_up(const OctreeView& octree, std::span<const Vec3d> field, const Vec3f& position,
+              const Vec3f& normal, bool tricubic) {
+    double at[3];
+    int low[3];
+    const int reach = tricubic ? 2 : 1;
+    for (int a = 0; a < 3; ++a) {
+        at[a] = static_cast<double>((position[a] - octree.grid.cube_min[a]) /
+                                    octree.grid.voxel_size()) -
+                0.5;
+        low[a] = static_cast<int>(std::floor(at[a])) - (reach - 1);
+    }
+    Vec3d sum;
+    double weights = 0.0;
+    for (int z = low[2]; z < low[2] + 2 * reach; ++z) {
+        for (int y = low[1]; y < low[1] + 2 * reach; ++y) {
+            for (int x = low[0]; x < low[0] + 2 * reach; ++x) {
+                const Node* leaf = find_leaf(octree, x, y, z);
+                if (leaf == nullptr) continue;
+                const double w = spline_weight(x - at[0], tricubic) *
+                                 spline_weight(y - at[1], tricubic) *
+                                 spline_weight(z - at[2], tricubic);
+                for (std::uint32_t i = leaf->first; i < leaf->first + (leaf->mask >> 8 & 3u); ++i) {
+                    const double facing = std::max(0.0f, dot(normal, normal_of(octree.lobes[i])));
+                    const double weight = w * facing * facing * facing * facing;
+                    sum += field[i] * weight;
+                    weights += weight;
+                }
+            }
+        }
+    }
+    return weights > 0.0 ? sum / weights : Vec3d{};
+}
+
+}  // namespace glowworm::testing

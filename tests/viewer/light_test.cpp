@@ -1,0 +1,239 @@
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <numbers>
+
+#include "analytic_cave.h"
+#include "light_reference.h"
+#include "octree/build.h"
+#include "octree/close_patches.h"
+#include "octree/links.h"
+#include "viewer/gpu/context.h"
+#include "viewer/light/anderson.h"
+#include "viewer/light/light_field.h"
+
+namespace glowworm {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+/// The inside of a sphere round the origin, evenly covered (a Fibonacci lattice).
+SurfelCloud sphere(double radius, int count, float albedo) {
+    SurfelCloud cloud;
+    const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+    for (int i = 0; i < count; ++i) {
+        const double z = 1.0 - (2.0 * i + 1.0) / count;
+        const double r = std::sqrt(1.0 - z * z);
+        const Vec3d n{r * std::cos(golden * i), r * std::sin(golden * i), z};
+        Surfel surfel;
+        surfel.position = vec3_cast<float>(n * radius);
+        surfel.normal = vec3_cast<float>(-n);
+        surfel.radius = static_cast<float>(2.0 * radius / std::sqrt(count));
+        surfel.albedo = {albedo, albedo, albedo};
+        cloud.surfels.push_back(surfel);
+    }
+    return cloud;
+}
+
+Octree at_depth(const SurfelCloud& cloud, std::uint32_t depth) {
+    BuildSettings settings;
+    settings.depth = depth;
+    return build_octree(cloud, settings);
+}
+
+Scene lamp_at(const Vec3d& position) {
+    Scene scene;
+    scene.point_lights.push_back({"lamp", position, {10.0f, 10.0f, 10.0f}});
+    return scene;
+}
+
+/// A sphere reflects light evenly: E_indirect = flux / (4 pi R^2) rho / (1 - rho) everywhere.
+double sphere_irradiance(double intensity, double radius, double albedo) {
+    return intensity / (radius * radius) * albedo / (1.0 - albedo);
+}
+
+class LightOnSphere : public ::testing::TestWithParam<float> {};
+
+TEST_P(LightOnSphere, SettlesAtTheFormulaWhereverTheLampStands) {
+    const Context context = Context::headless();
+    const double radius = 2.0;
+    const double albedo = GetParam();
+    const Octree octree = at_depth(sphere(radius, 40000, GetParam()), 5);
+    const double truth = sphere_irradiance(10.0, radius, albedo);
+    for (const double off_centre : {0.0, 0.6 * radius}) {
+        LightField field(context, octree.view(), lamp_at({off_centre, 0.0, 0.0}));
+        const Convergence convergence = field.converge();
+        double mean = 0.0, worst = 0.0;
+        const auto indirect = field.read_indirect();
+        for (const gpu::vec4& e : indirect) {
+            mean += e.x / truth - 1.0;
+            worst = std::max(worst, std::abs(e.x / truth - 1.0));
+        }
+        mean /= static_cast<double>(indirect.size());
+        std::cout << "albedo " << albedo << " lamp at " << off_centre << " m: mean error "
+                  << 100.0 * mean << " %, worst " << 100.0 * worst << " %, " << convergence.bounces
+                  << " bounces\n";
+        EXPECT_TRUE(convergence.settled);
+        EXPECT_LE(convergence.bounces, 16);
+        EXPECT_LT(std::abs(mean), off_centre > 0.0 ? 3e-3 : 1e-3);
+        if (off_centre == 0.0) {
+            EXPECT_LT(worst, 5e-3);
+        }
+    }
+    EXPECT_THAT(context.errors(), IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Albedos, LightOnSphere, ::testing::Values(0.2f, 0.5f, 0.8f));
+
+TEST(Light, BehindTheBendItIsBlackWithoutBouncesAndLitWithThem) {
+    const Context context = Context::headless();
+    const Octree octree = at_depth(testing::dogleg(0.03f), 6);
+    LightField field(context, octree.view(), lamp_at({0.5, 0.5, 0.5}));
+    const std::vector<Probe> probes = {{{1.0, 0.5, 0.0}, {0.0f, 0.0f, 1.0f}},
+                                       {{3.5, 3.5, 0.0}, {0.0f, 0.0f, 1.0f}}};
+    const auto dark = field.measure(probes);
+    EXPECT_GT(dark[0].direct.x, 1.0f);
+    EXPECT_EQ(dark[1].direct.x, 0.0f);
+    EXPECT_EQ(dark[1].indirect.x, 0.0f);
+    field.iterate(1);
+    EXPECT_GT(field.measure(probes)[0].indirect.x, 0.0f);
+    field.iterate(4);
+    const auto lit = field.measure(probes);
+    EXPECT_EQ(lit[1].direct.x, 0.0f);
+    EXPECT_GT(lit[1].indirect.x, 1e-4f);
+    field.forget_indirect();
+    EXPECT_EQ(field.measure(probes)[1].indirect.x, 0.0f);
+    EXPECT_THAT(context.errors(), IsEmpty());
+}
+
+TEST(Light, TheGpuTracesTheLinksThatTheCpuDoes) {
+    const Context context = Context::headless();
+    const Octree octree = at_depth(testing::dogleg(0.05f), 5);
+    const LightSettings settings{.links = 16, .trace_on = TraceOn::kGpu};
+    LightField field(context, octree.view(), lamp_at({0.5, 0.5, 0.5}), settings);
+    field.prepare();
+    const auto from_gpu = field.links().read();
+    const auto from_cpu = trace_links(octree.view(), {.rays = 16, .trace = settings.trace});
+    ASSERT_EQ(from_gpu.size(), from_cpu.size());
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < from_cpu.size(); ++i)
+        different += from_cpu[i] != from_gpu[i];
+    std::cout << different << " of " << from_cpu.size() << " links differ (ties)\n";
+    EXPECT_LT(different, from_cpu.size() / 1000);
+    EXPECT_THAT(context.errors(), IsEmpty());
+}
+
+TEST(Light, TheGpuMeasuresWhatTheFormulasOnTheCpuSay) {
+    const Context context = Context::headless();
+    const Octree octree = at_depth(testing::dogleg(0.05f), 5);
+    Scene scene = lamp_at({0.5, 0.5, 0.5});
+    scene.spot_lights.push_back(
+        {"spot", {2.0, 0.5, 0.9}, {0.3, 0.0, -1.0}, 70.0, 0.4, {5.0f, 4.0f, 3.0f}});
+    AreaLight panel{"panel", {}, {2.0f, 3.0f, 4.0f}};
+    panel.corners[0] = {3.2, 3.2, 0.99};
+    panel.corners[1] = {3.2, 3.7, 0.99};
+    panel.corners[2] = {3.7, 3.7, 0.99};
+    panel.corners[3] = {3.7, 3.2, 0.99};
+    scene.area_lights.push_back(panel);
+    std::vector<Probe> probes;
+    for (int i = 0; i < 40; ++i) {
+        const double along = 0.1 * i;
+        probes.push_back({{along, 0.37, 0.0}, {0.0f, 0.0f, 1.0f}});
+        probes.push_back({{3.31, along, 1.0}, {0.0f, 0.0f, -1.0f}});
+        probes.push_back({{4.0, along, 0.41}, {-1.0f, 0.0f, 0.0f}});
+    }
+    for (const bool tricubic : {false, true}) {
+        LightField field(context, octree.view(), scene, {.links = 16, .tricubic = tricubic});
+        field.iterate(3);
+        const auto measured = field.measure(probes);
+
+        const std::vector<Lobe> closed = close_patches(octree.view());
+        OctreeView view = octree.view();
+        view.lobes = closed;
+        std::vector<Vec3d> direct, indirect;
+        for (const gpu::vec4& e : field.read_direct())
+            direct.push_back({e.x, e.y, e.z});
+        indirect = testing::bounce(view, trace_links(octree.view(), {.rays = 16}), 16, direct, 3);
+        double worst_direct = 0.0, worst_indirect = 0.0;
+        for (std::size_t i = 0; i < probes.size(); ++i) {
+            const Vec3f at = vec3_cast<float>(probes[i].position - view.grid.origin);
+            const Vec3d d = testing::direct_irradiance(view, {}, scene, at, probes[i].normal,
+                                                       0.1f * view.grid.voxel_size());
+            const Vec3d e = testing::look_up(view, indirect, at, probes[i].normal, tricubic);
+            for (int c = 0; c < 3; ++c) {
+                worst_direct = std::max(worst_direct, std::abs(measured[i].direct[c] - d[c]));
+                worst_indirect =
+                    std::max(worst_indirect, std::abs(measured[i].indirect[c] / e[c] - 1.0));
+            }
+        }
+        std::cout << (tricubic ? "tricubic" : "trilinear") << ": worst difference direct "
+                  << worst_direct << " W/m2, indirect " << 100.0 * worst_indirect << " %\n";
+        EXPECT_LT(worst_direct, 0.05);  // one of 256 shadow rays to the panel may tie
+        EXPECT_LT(worst_indirect, 2e-3);
+    }
+    EXPECT_THAT(context.errors(), IsEmpty());
+}
+
+TEST(Light, ABlackCaveAndAnEmptySceneStayBlack) {
+    const Context context = Context::headless();
+    const Octree octree = at_depth(testing::dogleg(0.1f), 4);
+    LightField field(context, octree.view(), Scene{});
+    EXPECT_TRUE(field.converge().settled);
+    for (const gpu::vec4& e : field.read_indirect())
+        EXPECT_EQ(e.x, 0.0f);
+    EXPECT_THAT(field.measure({}), IsEmpty());
+}
+
+TEST(Light, AWhiteCaveHasAFixedPointAndAMovedLampIsForgotten) {
+    const Context context = Context::headless();
+    SurfelCloud cloud = testing::closed_room({0, 0, 0}, {2, 2, 2}, 0.05f);
+    for (Surfel& surfel : cloud.surfels)
+        surfel.albedo = {1.0f, 1.0f, 1.0f};
+    const Octree octree = at_depth(cloud, 4);
+    LightField field(context, octree.view(), lamp_at({1.0, 1.0, 1.0}));
+    const Convergence first = field.converge();
+    EXPECT_TRUE(first.settled) << first.residual;
+    const std::vector<Probe> probes = {{{0.5, 1.0, 0.0}, {0.0f, 0.0f, 1.0f}}};
+    const float bright = field.measure(probes)[0].indirect.x;
+    EXPECT_TRUE(std::isfinite(bright));
+
+    Scene dimmer = lamp_at({1.0, 1.0, 1.0});
+    dimmer.point_lights[0].radiant_intensity = {5.0f, 5.0f, 5.0f};
+    field.set_scene(dimmer);
+    EXPECT_TRUE(field.converge().settled);
+    EXPECT_NEAR(field.measure(probes)[0].indirect.x / bright, 0.5f, 0.01f);
+}
+
+TEST(Light, BakedLinksGiveTheSameLightAsTracedOnes) {
+    const Context context = Context::headless();
+    Octree octree = at_depth(testing::dogleg(0.1f), 4);
+    const Scene scene = lamp_at({0.5, 0.5, 0.5});
+    LightField traced(context, octree.view(), scene);
+    traced.iterate(2);
+    octree.links = trace_links(octree.view(), {.rays = 64});
+    octree.links_per_lobe = 64;
+    LightField baked(context, octree.view(), scene, {.trace_on = TraceOn::kGpu});
+    baked.iterate(2);
+    const auto a = traced.read_indirect();
+    const auto b = baked.read_indirect();
+    for (std::size_t i = 0; i < a.size(); ++i)
+        ASSERT_EQ(a[i].x, b[i].x);
+}
+
+TEST(Anderson, WeightsSolveTheLeastSquaresAndRefuseNonsense) {
+    // d0 = (1, 0), d1 = (1, 1), r = (3, 2): r = 1 d0 + 2 d1.
+    const auto weights = anderson_weights({1.0, 1.0, 0.0, 2.0, 0.0, 0.0, 3.0, 5.0, 0.0}, 2);
+    EXPECT_NEAR(weights[0], 1.0, 1e-5);
+    EXPECT_NEAR(weights[1], 2.0, 1e-5);
+    EXPECT_EQ(weights[2], 0.0f);
+    EXPECT_THAT(anderson_weights({}, 3), ElementsAre(0.0f, 0.0f, 0.0f));
+    const double nan = std::nan("");
+    EXPECT_THAT(anderson_weights({nan, 0, 0, nan, 0, 0, 0, 0, 0}, 2),
+                ElementsAre(0.0f, 0.0f, 0.0f));
+}
+
+}  // namespace
+}  // namespace glowworm
