@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "viewer/app/benchmark.h"
 #include "viewer/app/picture_file.h"
 #include "viewer/app/probes.h"
 #include "viewer/app/start.h"
@@ -59,11 +60,7 @@ Json measure_probes(const LightField& light, const Options& options, Console& co
 
 Json render_frame(const Context& context, const OctreeView& octree, const LightField& light,
                   const Start& start, const Options& options, Console& console) {
-    Camera camera = start.camera;
-    if (options.size) {
-        camera.width = options.size->width;
-        camera.height = options.size->height;
-    }
+    const Camera camera = sized_camera(start.camera, options);
     const View view = view_of(camera);
     Frame frame(context, octree, options.frame);
     frame.set_panels(start.scene.area_lights);
@@ -81,7 +78,8 @@ Json render_frame(const Context& context, const OctreeView& octree, const LightF
 }  // namespace
 
 Json run_headless(const Options& options, const OctreeFile& file, Console& console) {
-    require_writable_output(options.output, options.force);
+    const std::filesystem::path& output = options.stats.empty() ? options.output : options.stats;
+    require_writable_output(output, options.force);
     const OctreeView& octree = file.view();
     const Start start = start_of(octree, options.scene, options.camera);
 
@@ -90,11 +88,16 @@ Json run_headless(const Options& options, const OctreeFile& file, Console& conso
     spdlog::debug("drawing on {}, OpenGL {}", context.device().renderer, context.device().version);
     LightField light(context, octree, start.scene, options.light);
 
-    Json result{{"output", options.output.string()}, {"renderer", context.device().renderer}};
+    Json result{{"output", output.string()}, {"renderer", context.device().renderer}};
     result.update(propagate(light, options, console));
-    result.update(options.probes.empty()
-                      ? render_frame(context, octree, light, start, options, console)
-                      : measure_probes(light, options, console));
+    if (!options.stats.empty()) {
+        console.phase("benchmark", "frames");
+        result.update(run_benchmark(context, octree, light, start, options));
+    } else if (!options.probes.empty()) {
+        result.update(measure_probes(light, options, console));
+    } else {
+        result.update(render_frame(context, octree, light, start, options, console));
+    }
     for (const std::string& error : context.errors())
         spdlog::warn("OpenGL: {}", error);
     return result;

@@ -34,7 +34,7 @@ int run(int argc, char** argv) {
     const nlohmann::ordered_json result = run_headless(*options, file, console);
     console.end_phase();
     if (options->json) fmt::print("{}\n", result.dump(2));
-    spdlog::info("wrote {}", options->output.string());
+    spdlog::info("wrote {}", (options->stats.empty() ? options->output : options->stats).string());
     return static_cast<int>(ExitCode::kDone);
 }
 

@@ -34,8 +34,18 @@ PictureSize size_of(const std::string& text) {
 /// What only makes sense together, in a sentence each.
 void check_combination(const CLI::App& app, const Options& options) {
     if (!options.headless) {
-        for (const char* flag : {"--output", "--probes", "--samples", "--json", "--force"}) {
+        for (const char* flag :
+             {"--output", "--probes", "--samples", "--json", "--force", "--stats"}) {
             if (app.count(flag) > 0) fail(fmt::format("{} needs --headless", flag));
+        }
+        return;
+    }
+    if (app.count("--frames") != app.count("--stats")) {
+        fail("a benchmark takes both --frames and --stats");
+    }
+    if (!options.stats.empty()) {
+        for (const char* flag : {"--output", "--probes", "--exposure", "--samples"}) {
+            if (app.count(flag) > 0) fail(fmt::format("{} does not go with --stats", flag));
         }
         return;
     }
@@ -56,6 +66,15 @@ void check_combination(const CLI::App& app, const Options& options) {
 }
 
 }  // namespace
+
+Camera sized_camera(const Camera& camera, const Options& options) {
+    Camera sized = camera;
+    if (options.size) {
+        sized.width = options.size->width;
+        sized.height = options.size->height;
+    }
+    return sized;
+}
 
 std::optional<Options> read_options(int argc, char** argv) {
     Options options;
@@ -78,6 +97,12 @@ std::optional<Options> read_options(int argc, char** argv) {
     app.add_option("-o,--output", options.output, "frame.exr, frame.png, or the probes' CSV");
     app.add_option("--probes", options.probes, "measure irradiance at this CSV's points");
     app.add_option("--size", size, "WIDTHxHEIGHT in pixels; the camera's without it");
+
+    app.add_option("--frames", options.frames,
+                   "draw this many frames: a benchmark with --headless, "
+                   "else the window closes after them")
+        ->check(CLI::Range(1, 1000000));
+    app.add_option("--stats", options.stats, "where a benchmark's milliseconds per pass go (JSON)");
 
     auto* bounces_option = app.add_option("--bounces", bounces,
                                           "how often light is reflected; 0 is "

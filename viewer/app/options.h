@@ -23,6 +23,8 @@ struct Options {
     std::string camera;               ///< empty: the scene's first
     std::optional<PictureSize> size;  ///< empty: the camera's, or the window's own
     std::optional<int> bounces;       ///< empty: until the light settles
+    std::optional<int> frames;        ///< a window closes after so many, a benchmark draws them
+    std::filesystem::path stats;      ///< headless only: what a benchmark writes
     bool headless = false;
 
     LightSettings light;
@@ -36,6 +38,9 @@ struct Options {
     std::filesystem::path log_file;
     int threads = 0;  ///< 0: all
 };
+
+/// `camera` with the size that `options` ask for.
+Camera sized_camera(const Camera& camera, const Options& options);
 
 /// Reads the command line. Empty where --help or --version was asked for and has been printed.
 /// Throws Error (kUsage) for what does not fit.

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "octree/error.h"
 #include "viewer/app/canvas.h"
@@ -103,7 +104,8 @@ class Session {
 
     void run() {
         double before = now_seconds();
-        while (glfwWindowShouldClose(window_.get()) == 0 && !cancel_requested()) {
+        while (glfwWindowShouldClose(window_.get()) == 0 && !cancel_requested() &&
+               (!options_.frames || shown_ < *options_.frames)) {
             const double seconds = std::min(now_seconds() - before, 0.25);
             before = now_seconds();
             glfwPollEvents();
@@ -221,6 +223,9 @@ class Session {
         state_.light_status = light_.status();
         if (panel_.draw(state_)) relight();
         glfwSwapBuffers(window_.get());
+        if (shown_ == 0)
+            spdlog::debug("the first picture after {:.2f} s", now_seconds() - opened_at_);
+        if (shown_ < std::numeric_limits<int>::max()) ++shown_;
     }
 
     /// The next free glowworm-N.png and .exr in the current folder, at the window's size.
@@ -245,6 +250,7 @@ class Session {
         stale_ = true;
     }
 
+    const double opened_at_ = now_seconds();
     const Options& options_;
     Start start_;
     PanelState state_;
@@ -261,6 +267,7 @@ class Session {
     Canvas canvas_;
     Pace pace_;
 
+    int shown_ = 0;                 // pictures
     int width_ = 0, height_ = 0;    // of the drawn frame
     double moved_at_ = 0.0;         // s, of now_seconds()
     double relight_seconds_ = 0.0;  // how long the last one took

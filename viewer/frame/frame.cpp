@@ -59,11 +59,16 @@ void Frame::set_panels(std::span<const AreaLight> panels) {
     shading_.set_panels(panels, octree_.grid.origin);
 }
 
-void Frame::draw(const View& view, const LightField& light, int sub_pixels) {
-    const auto selection =
-        select_chunks(octree_.chunks, octree_.grid.origin, view, settings_.selection);
-    gbuffer_.draw(octree_, cloud_, selection, view);
-    shading_.draw(gbuffer_, light, view, sub_pixels);
+void Frame::draw(const View& view, const LightField& light, int sub_pixels, PassTimer* timer) {
+    std::vector<ChunkSelection> selection;
+    timed(timer, "select", [&] {
+        selection = select_chunks(octree_.chunks, octree_.grid.origin, view, settings_.selection);
+    });
+    surfels_drawn_ = 0;
+    for (const ChunkSelection& chunk : selection)
+        surfels_drawn_ += chunk.count;
+    gbuffer_.draw(octree_, cloud_, selection, view, timer);
+    timed(timer, "shade", [&] { shading_.draw(gbuffer_, light, view, sub_pixels); });
 }
 
 FrameLayers Frame::render(const View& view, const LightField& light, const Progress& progress) {

@@ -23,13 +23,15 @@ class Frame {
     void set_panels(std::span<const AreaLight> panels);
 
     /// Select, splat, shade: `view`'s pixels lie in beauty() afterwards.
-    /// `sub_pixels` squared of them will become one.
-    void draw(const View& view, const LightField& light, int sub_pixels = 1);
+    /// `sub_pixels` squared of them will become one. `timer`, where given, takes each pass's time.
+    void draw(const View& view, const LightField& light, int sub_pixels = 1,
+              PassTimer* timer = nullptr);
 
     /// A frame of any size with all its layers, tile by tile; `progress` counts pixels.
     FrameLayers render(const View& view, const LightField& light, const Progress& progress = {});
 
     const Buffer& beauty() const { return shading_.beauty(); }
+    std::uint64_t surfels_drawn() const { return surfels_drawn_; }  ///< by the last draw
 
   private:
     OctreeView octree_;
@@ -37,6 +39,7 @@ class Frame {
     SurfelPages cloud_;
     GBuffer gbuffer_;
     Shading shading_;
+    std::uint64_t surfels_drawn_ = 0;
 };
 
 }  // namespace glowworm

@@ -92,7 +92,7 @@ void GBuffer::bind() const {
 }
 
 void GBuffer::draw(const OctreeView& octree, const SurfelPages& cloud,
-                   std::span<const ChunkSelection> selection, const View& view) {
+                   std::span<const ChunkSelection> selection, const View& view, PassTimer* timer) {
     resize(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
     const gpu::ViewBlock block = view_block_of(view, octree.grid.origin);
     view_.write(std::span(&block, 1));
@@ -107,15 +107,17 @@ void GBuffer::draw(const OctreeView& octree, const SurfelPages& cloud,
     normal_sums_.bind_storage(BINDING_NORMAL_SUMS);
     albedo_sums_.bind_storage(BINDING_ALBEDO_SUMS);
     behind_sums_.bind_storage(BINDING_BEHIND_SUMS);
-    for (const Program* pass : {&depth_, &blend_}) {
+    const auto splat = [&](const Program& pass) {
         for (const PageDraw& draw : list.pages) {
             cloud.pages()[draw.page].bind_storage(BINDING_SURFELS);
-            set_uniform(*pass, 0, draw.batch_count);
-            set_uniform(*pass, 1, draw.first_batch);
-            pass->dispatch(std::size_t{draw.batch_count} * SPLAT_GROUP, SPLAT_GROUP);
+            set_uniform(pass, 0, draw.batch_count);
+            set_uniform(pass, 1, draw.first_batch);
+            pass.dispatch(std::size_t{draw.batch_count} * SPLAT_GROUP, SPLAT_GROUP);
         }
-    }
-    resolve_.dispatch(pixels_, 128);
+    };
+    timed(timer, "splat depth", [&] { splat(depth_); });
+    timed(timer, "splat blend", [&] { splat(blend_); });
+    timed(timer, "resolve", [&] { resolve_.dispatch(pixels_, 128); });
 }
 
 }  // namespace glowworm

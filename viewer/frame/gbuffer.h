@@ -5,6 +5,7 @@
 #include "octree/octree_file.h"
 #include "viewer/frame/selection.h"
 #include "viewer/frame/surfel_pages.h"
+#include "viewer/frame/timed_pass.h"
 #include "viewer/frame/view.h"
 #include "viewer/gpu/program.h"
 
@@ -17,9 +18,10 @@ class GBuffer {
   public:
     GBuffer();
 
-    /// Draws `selection` as seen by `view`.
+    /// Draws `selection` as seen by `view`; `timer`, where given, takes each pass's time.
     void draw(const OctreeView& octree, const SurfelPages& cloud,
-              std::span<const ChunkSelection> selection, const View& view);
+              std::span<const ChunkSelection> selection, const View& view,
+              PassTimer* timer = nullptr);
 
     /// Binds the view and the pixels for passes that go on from here.
     void bind() const;

@@ -1,0 +1,62 @@
+#include "viewer/app/benchmark.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "viewer/app/picture_file.h"
+
+namespace glowworm {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json spread_of(const std::vector<PassTimer::Sample>& samples, double PassTimer::Sample::*which) {
+    std::vector<double> ms;
+    for (const PassTimer::Sample& sample : samples)
+        ms.push_back(sample.*which);
+    std::sort(ms.begin(), ms.end());
+    return {{"median", ms[ms.size() / 2]}, {"min", ms.front()}, {"max", ms.back()}};
+}
+
+}  // namespace
+
+Json run_benchmark(const Context& context, const OctreeView& octree, LightField& light,
+                   const Start& start, const Options& options) {
+    const View view = view_of(sized_camera(start.camera, options));
+    Frame frame(context, octree, options.frame);
+    frame.set_panels(start.scene.area_lights);
+    Display display;
+    const Texture shown("shown", GL_RGBA8, view.width, view.height);
+    const bool bounces = options.bounces != 0;
+
+    PassTimer warm_up, timer;
+    const auto draw = [&](PassTimer& passes) {
+        if (bounces) passes.measure("bounce", [&] { light.iterate(1); });
+        frame.draw(view, light, 1, &passes);
+        passes.measure("tone map", [&] {
+            display.draw(frame.beauty(), shown, options.display.exposure.value_or(0.0),
+                         options.display.curve);
+        });
+    };
+    draw(warm_up);
+    for (int i = 0; i < options.frames.value_or(1); ++i)
+        draw(timer);
+
+    Json passes = Json::object();
+    for (const auto& [name, samples] : timer.samples()) {
+        passes[name] = {{"gpu_ms", spread_of(samples, &PassTimer::Sample::gpu_ms)},
+                        {"cpu_ms", spread_of(samples, &PassTimer::Sample::cpu_ms)}};
+    }
+    const Json stats{{"renderer", context.device().renderer},
+                     {"width", view.width},
+                     {"height", view.height},
+                     {"frames", options.frames.value_or(1)},
+                     {"points", octree.surfels.size()},
+                     {"points_drawn", frame.surfels_drawn()},
+                     {"lobes", octree.lobes.size()},
+                     {"passes", passes}};
+    write_whole(options.stats, stats.dump(2) + "\n");
+    return stats;
+}
+
+}  // namespace glowworm
