@@ -15,10 +15,11 @@ void require_trust(const Registration& registration, bool allow_missing_scans) {
     const std::size_t scans = registration.poses.scans.size();
     const bool any_left = registration.unregistered < scans;
     if (allow_missing_scans && any_left) return;
-    throw Error(ExitCode::kNotTrustworthy,
-                fmt::format("{} of {} scans could not be placed; {}", registration.unregistered, scans,
-                            any_left ? "--allow-missing-scans goes on without them"
-                                     : "check that the scans overlap, or give --poses"));
+    throw Error(
+        ExitCode::kNotTrustworthy,
+        fmt::format("{} of {} scans could not be placed; {}", registration.unregistered, scans,
+                    any_left ? "--allow-missing-scans goes on without them"
+                             : "check that the scans overlap, or give --poses"));
 }
 
 }  // namespace

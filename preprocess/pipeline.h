@@ -27,16 +27,16 @@ struct ConvertSettings {
     MergeSettings merge;
     SurfaceSettings surface;
     BuildSettings build;
-    std::vector<AreaLight> area_lights;    ///< put into the tree, each with its own index
-    bool allow_missing_scans = false;      ///< go on without scans that could not be placed
+    std::vector<AreaLight> area_lights;  ///< put into the tree, each with its own index
+    bool allow_missing_scans = false;    ///< go on without scans that could not be placed
 };
 
 /// What each stage did.
 struct Conversion {
     std::vector<Warning> warnings;
     std::size_t scans = 0;
-    std::uint64_t points = 0;         ///< read
-    std::uint64_t outliers = 0;       ///< removed
+    std::uint64_t points = 0;    ///< read
+    std::uint64_t outliers = 0;  ///< removed
     Registration registration;
     MergeReport merge;
     SurfaceReport surface;

@@ -24,7 +24,8 @@ Points Points::select(const std::vector<std::uint32_t>& indices) const {
     for_each_column(*this, chosen, [&](const auto& from, auto& to) {
         if (from.empty()) return;
         to.reserve(indices.size());
-        for (const std::uint32_t index : indices) to.push_back(from[index]);
+        for (const std::uint32_t index : indices)
+            to.push_back(from[index]);
     });
     return chosen;
 }

@@ -19,15 +19,15 @@ struct Rgb8 {
 /// Points as columns. A column is either empty (the points do not have it) or as long as
 /// `positions`.
 struct Points {
-    std::vector<Vec3f> positions;           ///< m
-    std::vector<Vec3f> normals;             ///< unit
-    std::vector<Rgb8> colours;              ///< sRGB
-    std::vector<float> intensities;         ///< the scanner's own scale
-    std::vector<float> ndf_lengths;         ///< Toksvig length in (0, 1]
-    std::vector<float> radii;               ///< m
-    std::vector<std::uint32_t> stations;    ///< index into PointCloud::stations
-    std::vector<Vec3f> emissions;           ///< radiance, W·sr⁻¹·m⁻²
-    std::vector<double> times;              ///< s, the scanner's own clock
+    std::vector<Vec3f> positions;         ///< m
+    std::vector<Vec3f> normals;           ///< unit
+    std::vector<Rgb8> colours;            ///< sRGB
+    std::vector<float> intensities;       ///< the scanner's own scale
+    std::vector<float> ndf_lengths;       ///< Toksvig length in (0, 1]
+    std::vector<float> radii;             ///< m
+    std::vector<std::uint32_t> stations;  ///< index into PointCloud::stations
+    std::vector<Vec3f> emissions;         ///< radiance, W·sr⁻¹·m⁻²
+    std::vector<double> times;            ///< s, the scanner's own clock
 
     std::size_t size() const { return positions.size(); }
     bool empty() const { return positions.empty(); }
@@ -35,13 +35,14 @@ struct Points {
     /// Keeps the points at `indices`, in that order, in every column that is there.
     Points select(const std::vector<std::uint32_t>& indices) const;
 
-    /// Appends `other`. A column that only one of the two has is dropped, so that none is half full.
+    /// Appends `other`. A column that only one of the two has is dropped, so that none is half
+    /// full.
     void append(const Points& other);
 };
 
 /// All stations in one world frame, each point knowing the one it was seen from.
 struct PointCloud {
-    Vec3d origin;                    ///< m, world; positions are relative to it
+    Vec3d origin;  ///< m, world; positions are relative to it
     Points points;
     std::vector<Station> stations;
     std::vector<AreaLight> area_lights;

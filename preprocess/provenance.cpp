@@ -21,7 +21,8 @@ InputFile describe_input(const std::filesystem::path& path) {
     XXH3_128bits_reset(state.get());
     InputFile input{path.filename().string(), 0, {}};
     std::vector<char> block(std::size_t{1} << 20);
-    while (stream.read(block.data(), static_cast<std::streamsize>(block.size())), stream.gcount() > 0) {
+    while (stream.read(block.data(), static_cast<std::streamsize>(block.size())),
+           stream.gcount() > 0) {
         const auto bytes = static_cast<std::size_t>(stream.gcount());
         XXH3_128bits_update(state.get(), block.data(), bytes);
         input.bytes += bytes;

@@ -10,9 +10,9 @@ namespace glowworm {
 
 /// One input of a conversion, so that a file says what it was made from.
 struct InputFile {
-    std::string file;          ///< name without its folder: a moved folder gives the same bytes
+    std::string file;  ///< name without its folder: a moved folder gives the same bytes
     std::uint64_t bytes = 0;
-    std::string hash;          ///< XXH3-128 of the content, 32 hexadecimal digits
+    std::string hash;  ///< XXH3-128 of the content, 32 hexadecimal digits
 };
 
 /// Reads the file once, in blocks. Throws Error (kUnreadable) where it cannot be read.

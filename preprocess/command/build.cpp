@@ -20,9 +20,12 @@ struct BuildCommandFlags {
 };
 
 void say_defaults(const SurfelDefaults& defaults, float albedo) {
-    if (defaults.colour_missing) spdlog::warn("the cloud has no colour: albedo {} everywhere", albedo);
-    if (defaults.radius_missing) spdlog::info("the cloud has no radius: taken from the point spacing");
-    if (defaults.ndf_missing) spdlog::info("the cloud has no NDF lengths: 1 everywhere, mirror-flat");
+    if (defaults.colour_missing)
+        spdlog::warn("the cloud has no colour: albedo {} everywhere", albedo);
+    if (defaults.radius_missing)
+        spdlog::info("the cloud has no radius: taken from the point spacing");
+    if (defaults.ndf_missing)
+        spdlog::info("the cloud has no NDF lengths: 1 everywhere, mirror-flat");
 }
 
 nlohmann::ordered_json run_build(Run& run, const BuildCommandFlags& flags) {
@@ -62,8 +65,9 @@ void add_build_command(Program& program) {
     CLI::App* command = program.add("build", "surfels to the Morton-sorted octree file", true,
                                     [flags](Run& run) { return run_build(run, *flags); });
     command->add_option("surfels", flags->input, "a cloud with positions and normals")->required();
-    command->add_option("--default-albedo", flags->default_albedo,
-                        "linear albedo of points without colour")
+    command
+        ->add_option("--default-albedo", flags->default_albedo,
+                     "linear albedo of points without colour")
         ->check(CLI::Range(0.0f, 1.0f));
     flags->build.add_to(*command);
     add_read_flags(*command, flags->read);

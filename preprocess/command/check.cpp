@@ -19,10 +19,11 @@ void add_check_command(Program& program) {
                 if (!run.flags.json) fmt::print("'{}' is whole and sound\n", file->string());
                 return result;
             }
-            for (const std::string& failure : failures) fmt::print(stderr, "{}\n", failure);
+            for (const std::string& failure : failures)
+                fmt::print(stderr, "{}\n", failure);
             if (run.flags.json) fmt::print("{}\n", result.dump(2));
-            throw Error(ExitCode::kCheckFailed,
-                        fmt::format("'{}' fails {} checks; make it anew", file->string(), failures.size()));
+            throw Error(ExitCode::kCheckFailed, fmt::format("'{}' fails {} checks; make it anew",
+                                                            file->string(), failures.size()));
         });
     command->add_option("file", *file, "an .svo file")->required();
 }

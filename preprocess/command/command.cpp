@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <system_error>
 
+#include "octree/check.h"
 #include "octree/error.h"
 
 namespace glowworm {
@@ -32,7 +33,8 @@ CLI::App* Program::add(const std::string& name, const std::string& summary, bool
 void require_writable_output(const std::filesystem::path& path, bool force) {
     std::error_code ignored;
     if (std::filesystem::is_directory(path, ignored)) {
-        throw Error(ExitCode::kUsage, fmt::format("the output '{}' is a folder; name a file", path.string()));
+        throw Error(ExitCode::kUsage,
+                    fmt::format("the output '{}' is a folder; name a file", path.string()));
     }
     if (!force && std::filesystem::exists(path, ignored)) {
         throw Error(ExitCode::kExists,
@@ -40,8 +42,9 @@ void require_writable_output(const std::filesystem::path& path, bool force) {
     }
     const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
     if (!std::filesystem::is_directory(folder, ignored)) {
-        throw Error(ExitCode::kUnreadable,
-                    fmt::format("the output's folder '{}' does not exist; make it first", folder.string()));
+        throw Error(
+            ExitCode::kUnreadable,
+            fmt::format("the output's folder '{}' does not exist; make it first", folder.string()));
     }
     if (::access(folder.c_str(), W_OK) != 0) {
         throw Error(ExitCode::kUnreadable,
@@ -55,9 +58,17 @@ void require_distinct(const std::filesystem::path& output,
     for (const auto& input : inputs) {
         if (std::filesystem::equivalent(output, input, ignored)) {
             throw Error(ExitCode::kUsage,
-                        fmt::format("'{}' is input and output at once; choose another output", output.string()));
+                        fmt::format("'{}' is input and output at once; choose another output",
+                                    output.string()));
         }
     }
+}
+
+void require_sound(const OctreeFile& file, const std::filesystem::path& path) {
+    const std::vector<std::string> failures = check_structure(file.view());
+    if (failures.empty()) return;
+    throw Error(ExitCode::kCheckFailed,
+                fmt::format("'{}' is damaged: {}", path.string(), failures.front()));
 }
 
 std::string format_bytes(std::uint64_t bytes) {

@@ -7,40 +7,42 @@
 #include <string>
 #include <vector>
 
+#include "octree/octree_file.h"
 #include "preprocess/command/console.h"
 
 namespace glowworm {
 
 /// Flags that every subcommand shares; defaults and units as interface.md has them.
 struct SharedFlags {
-    std::filesystem::path output;       ///< -o; commands without an output leave it empty
-    bool force = false;                 ///< overwrite an output that is there
-    bool json = false;                  ///< the result as one JSON object on stdout
-    std::string progress = "auto";      ///< auto | bar | json | none
-    bool quiet = false;                 ///< errors only
-    bool verbose = false;               ///< every detail
-    std::filesystem::path log_file;     ///< logs go here as well
-    int threads = 0;                    ///< 0: as many as the machine has
+    std::filesystem::path output;    ///< -o; commands without an output leave it empty
+    bool force = false;              ///< overwrite an output that is there
+    bool json = false;               ///< the result as one JSON object on stdout
+    std::string progress = "auto";   ///< auto | bar | json | none
+    bool quiet = false;              ///< errors only
+    bool verbose = false;            ///< every detail
+    std::filesystem::path log_file;  ///< logs go here as well
+    int threads = 0;                 ///< 0: as many as the machine has
 };
 
 /// What a subcommand's work is given: the shared flags and the console to talk through.
 struct Run {
     const SharedFlags& flags;
     Console& console;
-    std::vector<std::string> command_line;   ///< for the file's provenance
+    std::vector<std::string> command_line;  ///< for the file's provenance
 };
 
 /// Does a subcommand's work. Returns its result object, printed where --json was given.
 using Work = std::function<nlohmann::ordered_json(Run&)>;
 
-/// Adds `name` with the shared flags to `app`; `selected` receives the work when the user asks for it.
-/// Where `needs_output` is set, -o is required.
+/// Adds `name` with the shared flags to `app`; `selected` receives the work when the user asks for
+/// it. Where `needs_output` is set, -o is required.
 struct Program {
     CLI::App& app;
     SharedFlags& flags;
     Work& selected;
 
-    CLI::App* add(const std::string& name, const std::string& summary, bool needs_output, Work work);
+    CLI::App* add(const std::string& name, const std::string& summary, bool needs_output,
+                  Work work);
 };
 
 /// One file per subcommand defines each of these.
@@ -51,6 +53,8 @@ void add_surface_command(Program& program);
 void add_build_command(Program& program);
 void add_info_command(Program& program);
 void add_check_command(Program& program);
+void add_diff_command(Program& program);
+void add_extract_command(Program& program);
 
 /// Throws Error (kExists) where `path` is there and --force was not given, (kUnreadable) where its
 /// folder is not there or may not be written: before any work, not an hour into it.
@@ -59,6 +63,10 @@ void require_writable_output(const std::filesystem::path& path, bool force);
 /// Throws Error (kUsage) where `output` is one of the `inputs`.
 void require_distinct(const std::filesystem::path& output,
                       const std::vector<std::filesystem::path>& inputs);
+
+/// Throws Error (kCheckFailed) where an index inside the mapped file leads out of it: asked before
+/// a command follows them.
+void require_sound(const OctreeFile& file, const std::filesystem::path& path);
 
 /// "12.3 MB" for people.
 std::string format_bytes(std::uint64_t bytes);

@@ -75,8 +75,11 @@ void Console::show(std::uint64_t done, std::uint64_t total, bool ended) {
     if (!ended && total > 0) done = std::min(done, total - 1);
 
     if (mode_ == ProgressMode::kJson) {
-        const nlohmann::ordered_json line = {{"phase", phase_}, {"done", done},      {"total", total},
-                                             {"unit", unit_},   {"seconds", seconds}};
+        const nlohmann::ordered_json line = {{"phase", phase_},
+                                             {"done", done},
+                                             {"total", total},
+                                             {"unit", unit_},
+                                             {"seconds", seconds}};
         fmt::print(stderr, "{}\n", line.dump());
     } else if (mode_ == ProgressMode::kBar) {
         const double part = ended ? 1.0 : total > 0 ? double(done) / double(total) : 0.0;

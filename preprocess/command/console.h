@@ -22,8 +22,8 @@ class Console {
     ~Console();
 
     /// Begins a phase and ends the one before it. The function returned reports its progress; it
-    /// throws Error (kCancelled) once the user has asked to stop. A phase shows 100 % only when it is
-    /// ended, so the last one does when its output is in place.
+    /// throws Error (kCancelled) once the user has asked to stop. A phase shows 100 % only when it
+    /// is ended, so the last one does when its output is in place.
     Progress phase(const std::string& name, const std::string& unit);
 
     /// Ends the phase that runs: now it is done.

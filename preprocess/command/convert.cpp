@@ -72,8 +72,8 @@ nlohmann::ordered_json run_convert(Run& run, ConvertFlags flags) {
 void add_convert_command(Program& program) {
     auto flags = std::make_shared<ConvertFlags>();
     CLI::App* command =
-        program.add("convert", "raw scans to an octree file, the whole pipeline in one command", true,
-                    [flags](Run& run) { return run_convert(run, *flags); });
+        program.add("convert", "raw scans to an octree file, the whole pipeline in one command",
+                    true, [flags](Run& run) { return run_convert(run, *flags); });
     command->add_option("scans", flags->inputs, "scan files or folders of them")->required();
     flags->registration.add_to(*command);
     flags->build.add_to(*command);

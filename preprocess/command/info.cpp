@@ -2,8 +2,8 @@
 #include <cstring>
 #include <fstream>
 
-#include "preprocess/command/command.h"
 #include "octree/node_layout.h"
+#include "preprocess/command/command.h"
 #include "preprocess/command/octree_info.h"
 #include "preprocess/command/scan_info.h"
 #include "preprocess/command/stage_flags.h"

@@ -49,23 +49,28 @@ int run(int argc, char** argv) {
     add_build_command(program);
     add_info_command(program);
     add_check_command(program);
+    add_diff_command(program);
+    add_extract_command(program);
 
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         const bool asked_for_text = error.get_exit_code() == 0;
         if (asked_for_text) return app.exit(error);
-        throw Error(ExitCode::kUsage, fmt::format("{}; `glowworm --help` shows what there is", error.what()));
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{}; `glowworm --help` shows what there is", error.what()));
     }
 
     set_up_logging(flags);
     install_cancel_handlers();
     const tbb::global_control threads(
         tbb::global_control::max_allowed_parallelism,
-        static_cast<std::size_t>(flags.threads > 0 ? flags.threads : tbb::info::default_concurrency()));
+        static_cast<std::size_t>(flags.threads > 0 ? flags.threads
+                                                   : tbb::info::default_concurrency()));
     if (!flags.output.empty()) require_writable_output(flags.output, flags.force);
 
-    Console console(progress_mode(flags.quiet && flags.progress == "auto" ? "none" : flags.progress));
+    Console console(
+        progress_mode(flags.quiet && flags.progress == "auto" ? "none" : flags.progress));
     Run context{flags, console, {argv, argv + argc}};
     const nlohmann::ordered_json result = selected(context);
     console.end_phase();

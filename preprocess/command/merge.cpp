@@ -46,23 +46,25 @@ nlohmann::ordered_json run_merge(Run& run, const MergeFlags& flags) {
     spdlog::info("{} of {} points kept at a spacing of {:.1f} mm; {} were moving things",
                  format_count(cloud.points.size()), format_count(done.points),
                  done.merge.spacing * 1e3, format_count(done.merge.moving));
-    return {{"output", output.string()},       {"scans", done.scans},
-            {"points", cloud.points.size()},   {"read", done.points},
-            {"outliers", done.outliers},       {"moving", done.merge.moving},
-            {"thinned", done.merge.thinned},   {"left_out", done.merge.left_out},
-            {"spacing", done.merge.spacing},   {"warnings", warnings_json(done.warnings)}};
+    return {{"output", output.string()},     {"scans", done.scans},
+            {"points", cloud.points.size()}, {"read", done.points},
+            {"outliers", done.outliers},     {"moving", done.merge.moving},
+            {"thinned", done.merge.thinned}, {"left_out", done.merge.left_out},
+            {"spacing", done.merge.spacing}, {"warnings", warnings_json(done.warnings)}};
 }
 
 }  // namespace
 
 void add_merge_command(Program& program) {
     auto flags = std::make_shared<MergeFlags>();
-    CLI::App* command = program.add("merge", "scans and their poses to one cloud in the world frame",
-                                    true, [flags](Run& run) { return run_merge(run, *flags); });
+    CLI::App* command =
+        program.add("merge", "scans and their poses to one cloud in the world frame", true,
+                    [flags](Run& run) { return run_merge(run, *flags); });
     command->add_option("scans", flags->inputs, "scan files or folders of them")->required();
     command->add_option("--poses", flags->poses, "poses.json of the scans")->required();
-    command->add_option("--spacing", flags->settings.merge.spacing,
-                        "even spacing of the result, m; 0: the scans' own")
+    command
+        ->add_option("--spacing", flags->settings.merge.spacing,
+                     "even spacing of the result, m; 0: the scans' own")
         ->check(CLI::NonNegativeNumber);
     command->add_flag("--balance-colour", flags->settings.merge.balance_colour,
                       "make the scans' colours agree where they overlap");

@@ -14,7 +14,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kBarWidth = 40;
 
-Json vector_json(const Vec3d& v) { return {v.x, v.y, v.z}; }
+Json vector_json(const Vec3d& v) {
+    return {v.x, v.y, v.z};
+}
 
 Json bounds_json(const OctreeStatistics& s) {
     const Vec3d low = s.grid.origin + vec3_cast<double>(s.bounds_min);
@@ -68,13 +70,15 @@ Json to_json(const OctreeStatistics& s) {
 
 void print_histogram(const std::string& title, const Histogram& histogram) {
     std::uint64_t most = 1;
-    for (const std::uint64_t count : histogram.counts) most = std::max(most, count);
+    for (const std::uint64_t count : histogram.counts)
+        most = std::max(most, count);
     fmt::print("\n{}\n", title);
     for (std::size_t i = 0; i < histogram.counts.size(); ++i) {
         if (histogram.counts[i] == 0) continue;
         const std::size_t filled = (histogram.counts[i] * kBarWidth + most - 1) / most;
-        fmt::print("{:>8.4g} – {:<8.4g} {:<{}} {:>12}\n", histogram.edges[i], histogram.edges[i + 1],
-                   std::string(filled, '#'), kBarWidth, format_count(histogram.counts[i]));
+        fmt::print("{:>8.4g} – {:<8.4g} {:<{}} {:>12}\n", histogram.edges[i],
+                   histogram.edges[i + 1], std::string(filled, '#'), kBarWidth,
+                   format_count(histogram.counts[i]));
     }
 }
 
@@ -82,17 +86,20 @@ void print(const OctreeStatistics& s, const std::filesystem::path& path) {
     const Vec3d size = vec3_cast<double>(s.bounds_max - s.bounds_min);
     fmt::print("{}: glowworm octree, format {}\n", path.string(), s.format_version);
     fmt::print("samples     {} ({} dropped)\n", format_count(s.samples), format_count(s.dropped));
-    fmt::print("extent      {:.2f} x {:.2f} x {:.2f} m, surface {:.1f} m2, spacing {:.1f} mm\n", size.x,
-               size.y, size.z, s.total_area, s.mean_spacing * 1e3);
-    fmt::print("origin      {:.3f} {:.3f} {:.3f} m\n", s.grid.origin.x, s.grid.origin.y, s.grid.origin.z);
-    fmt::print("leaves      {} at depth {}, {:.2f} cm, {} lobes\n", format_count(s.leaves), s.grid.depth,
-               s.grid.voxel_size() * 100.0f, format_count(s.lobes));
+    fmt::print("extent      {:.2f} x {:.2f} x {:.2f} m, surface {:.1f} m2, spacing {:.1f} mm\n",
+               size.x, size.y, size.z, s.total_area, s.mean_spacing * 1e3);
+    fmt::print("origin      {:.3f} {:.3f} {:.3f} m\n", s.grid.origin.x, s.grid.origin.y,
+               s.grid.origin.z);
+    fmt::print("leaves      {} at depth {}, {:.2f} cm, {} lobes\n", format_count(s.leaves),
+               s.grid.depth, s.grid.voxel_size() * 100.0f, format_count(s.lobes));
     fmt::print("file        {}, {:.0f} bytes a leaf, {:.1f} a sample\n", format_bytes(s.bytes),
                s.bytes_per_leaf, s.samples > 0 ? double(s.bytes) / double(s.samples) : 0.0);
     fmt::print("scans       {}\n", s.scans.size());
-    for (const std::string& scan : s.scans) fmt::print("            {}\n", scan);
+    for (const std::string& scan : s.scans)
+        fmt::print("            {}\n", scan);
     fmt::print("area lights {}\n", s.area_lights.size());
-    for (const std::string& light : s.area_lights) fmt::print("            {}\n", light);
+    for (const std::string& light : s.area_lights)
+        fmt::print("            {}\n", light);
 
     fmt::print("\n{:>5} {:>12} {:>10} {:>9} {:>8} {:>8} {:>12}\n", "level", "nodes", "occupied",
                "children", "opacity", "ndf", "bytes");

@@ -32,9 +32,10 @@ nlohmann::ordered_json run_register(Run& run, RegisterFlags flags) {
 
     if (!run.flags.json) fmt::print("{}", trust_table(registration));
     if (registration.unregistered > 0) {
-        throw Error(ExitCode::kNotTrustworthy,
-                    fmt::format("{} of {} scans could not be placed; '{}' says how far each was trusted",
-                                registration.unregistered, scans.size(), run.flags.output.string()));
+        throw Error(
+            ExitCode::kNotTrustworthy,
+            fmt::format("{} of {} scans could not be placed; '{}' says how far each was trusted",
+                        registration.unregistered, scans.size(), run.flags.output.string()));
     }
     return nlohmann::ordered_json::parse(format_poses(registration.poses));
 }

@@ -11,13 +11,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json vector_json(const Vec3d& v) { return {v.x, v.y, v.z}; }
+Json vector_json(const Vec3d& v) {
+    return {v.x, v.y, v.z};
+}
 
 Json pose_json(const std::optional<Eigen::Isometry3d>& pose) {
     if (!pose) return nullptr;
     Json numbers = Json::array();
     for (int row = 0; row < 4; ++row) {
-        for (int column = 0; column < 4; ++column) numbers.push_back(pose->matrix()(row, column));
+        for (int column = 0; column < 4; ++column)
+            numbers.push_back(pose->matrix()(row, column));
     }
     return numbers;
 }
@@ -36,8 +39,8 @@ Json fields_json(const ScanDescription& scan) {
 
 Json scan_json(const ScanDescription& scan) {
     const ScanFacts& facts = scan.facts;
-    Json json = {{"name", facts.counts.name}, {"declared", scan.header.declared_points},
-                 {"points", facts.counts.kept}, {"not_finite", facts.counts.not_finite},
+    Json json = {{"name", facts.counts.name},       {"declared", scan.header.declared_points},
+                 {"points", facts.counts.kept},     {"not_finite", facts.counts.not_finite},
                  {"invalid", facts.counts.invalid}, {"no_return", facts.counts.no_return}};
     if (facts.counts.kept > 0) {
         json["bounds"] = {{"min", vector_json(facts.low)}, {"max", vector_json(facts.high)}};
@@ -49,14 +52,16 @@ Json scan_json(const ScanDescription& scan) {
     json["crs"] = scan.header.crs;
     json["fields"] = fields_json(scan);
     json["metadata"] = Json::object();
-    for (const auto& [key, value] : scan.header.metadata) json["metadata"][key] = value;
+    for (const auto& [key, value] : scan.header.metadata)
+        json["metadata"][key] = value;
     json["notes"] = scan.header.notes;
     return json;
 }
 
 Json to_json(const ScanFileDescription& file) {
     Json scans = Json::array();
-    for (const ScanDescription& scan : file.scans) scans.push_back(scan_json(scan));
+    for (const ScanDescription& scan : file.scans)
+        scans.push_back(scan_json(scan));
     return {{"file", file.file.string()},
             {"format", file.format.name},
             {"version", file.format.version},
@@ -85,7 +90,8 @@ void print(const ScanDescription& scan) {
         if (field.has_range) fmt::print(" {:.6g} to {:.6g}", field.low, field.high);
         fmt::print("\n");
     }
-    for (const std::string& note : scan.header.notes) fmt::print("note        {}\n", note);
+    for (const std::string& note : scan.header.notes)
+        fmt::print("note        {}\n", note);
 }
 
 }  // namespace
@@ -96,7 +102,8 @@ Json scan_info(const std::filesystem::path& path, const ReadSettings& settings, 
         fmt::print("{}: {} {}, {}, {} points, {} scans\n", path.string(), file.format.name,
                    file.format.version, format_bytes(file.bytes), format_count(file.points),
                    file.scans.size());
-        for (const ScanDescription& scan : file.scans) print(scan);
+        for (const ScanDescription& scan : file.scans)
+            print(scan);
     }
     say_warnings(file.warnings);
     return to_json(file);

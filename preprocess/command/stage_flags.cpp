@@ -31,21 +31,25 @@ void RegistrationFlags::apply(RegistrationSettings& settings) const {
         } else if (std::filesystem::exists(word)) {
             settings.prior = read_poses(word);
         } else {
-            throw Error(ExitCode::kUsage,
-                        fmt::format("--poses {}: no such file, and not trust, refine or ignore", word));
+            throw Error(
+                ExitCode::kUsage,
+                fmt::format("--poses {}: no such file, and not trust, refine or ignore", word));
         }
     }
 }
 
 void BuildFlags::add_to(CLI::App& command) {
     CLI::Option* by_depth =
-        command.add_option("--depth", depth, "level of the leaves, the root being 0; chosen from the "
-                                             "point spacing where neither this nor --voxel-size is given")
+        command
+            .add_option("--depth", depth,
+                        "level of the leaves, the root being 0; chosen from the "
+                        "point spacing where neither this nor --voxel-size is given")
             ->check(CLI::Range(1u, kMaxDepth));
     command.add_option("--voxel-size", voxel_size, "edge of a leaf at most this, m")
         ->check(CLI::PositiveNumber)
         ->excludes(by_depth);
-    command.add_option("--lights", lights, "scene.json whose area lights become samples of the tree");
+    command.add_option("--lights", lights,
+                       "scene.json whose area lights become samples of the tree");
 }
 
 std::vector<AreaLight> BuildFlags::area_lights() const {
@@ -55,7 +59,8 @@ std::vector<AreaLight> BuildFlags::area_lights() const {
 BuildSettings BuildFlags::settings(const std::string& command,
                                    const std::vector<std::filesystem::path>& inputs) const {
     std::vector<InputFile> described;
-    for (const auto& input : inputs) described.push_back(describe_input(input));
+    for (const auto& input : inputs)
+        described.push_back(describe_input(input));
     if (!lights.empty()) described.push_back(describe_input(lights));
 
     std::string words = "glowworm " + command;
@@ -69,8 +74,9 @@ BuildSettings BuildFlags::settings(const std::string& command,
 }
 
 void add_read_flags(CLI::App& command, ReadSettings& settings) {
-    command.add_option("--columns", settings.columns,
-                       "what the columns of text files mean, such as \"x y z intensity r g b\"; - skips one");
+    command.add_option(
+        "--columns", settings.columns,
+        "what the columns of text files mean, such as \"x y z intensity r g b\"; - skips one");
     command.add_flag_callback(
         "--no-crc", [&settings] { settings.check_crc = false; },
         "read E57 pages whose checksum is wrong");
@@ -79,15 +85,17 @@ void add_read_flags(CLI::App& command, ReadSettings& settings) {
 void add_surface_flags(CLI::App& command, SurfaceSettings& settings) {
     command.add_option("--neighbours", settings.k, "points a plane is fitted to")
         ->check(CLI::Range(6, 64));
-    command.add_option("--default-albedo", settings.default_albedo,
-                       "linear albedo of points without colour or intensity")
+    command
+        .add_option("--default-albedo", settings.default_albedo,
+                    "linear albedo of points without colour or intensity")
         ->check(CLI::Range(0.0f, 1.0f));
 }
 
 nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const Warning& warning : warnings) {
-        list.push_back({{"id", warning.id}, {"file", warning.file}, {"sentence", warning.sentence}});
+        list.push_back(
+            {{"id", warning.id}, {"file", warning.file}, {"sentence", warning.sentence}});
     }
     return list;
 }
@@ -113,9 +121,10 @@ void say_warnings(const std::vector<Warning>& warnings) {
 }
 
 void say_surface(const SurfaceReport& report) {
-    spdlog::info("{} surfels of {} points; normals turned by {}, {} with a side that nothing decided",
-                 format_count(report.surfels), format_count(report.points),
-                 describe(report.orientation), format_count(report.unsure_side));
+    spdlog::info(
+        "{} surfels of {} points; normals turned by {}, {} with a side that nothing decided",
+        format_count(report.surfels), format_count(report.points), describe(report.orientation),
+        format_count(report.unsure_side));
     spdlog::info("albedo from {}; range noise {:.1f} mm; spacing {:.1f} mm; mean NDF length {:.3f}",
                  describe(report.albedo), report.range_noise * 1e3, report.median_spacing * 1e3,
                  report.mean_ndf_length);
@@ -129,10 +138,13 @@ void say_octree(const OctreeView& octree) {
 
 void say_trust(const Registration& registration) {
     std::istringstream lines(trust_table(registration));
-    for (std::string line; std::getline(lines, line);) spdlog::info("{}", line);
+    for (std::string line; std::getline(lines, line);)
+        spdlog::info("{}", line);
     if (registration.weak > 0) {
-        spdlog::warn("{} scans can shift or turn along a direction that their surfaces do not hold: see "
-                     "weak_axes in the poses", registration.weak);
+        spdlog::warn(
+            "{} scans can shift or turn along a direction that their surfaces do not hold: see "
+            "weak_axes in the poses",
+            registration.weak);
     }
 }
 

@@ -39,9 +39,11 @@ nlohmann::ordered_json run_surface(Run& run, const SurfaceFlags& flags) {
 
 void add_surface_command(Program& program) {
     auto flags = std::make_shared<SurfaceFlags>();
-    CLI::App* command = program.add("surface", "a merged cloud to surfels: normals, NDF vectors, radii",
-                                    true, [flags](Run& run) { return run_surface(run, *flags); });
-    command->add_option("cloud", flags->input, "the cloud, as `glowworm merge` writes it")->required();
+    CLI::App* command =
+        program.add("surface", "a merged cloud to surfels: normals, NDF vectors, radii", true,
+                    [flags](Run& run) { return run_surface(run, *flags); });
+    command->add_option("cloud", flags->input, "the cloud, as `glowworm merge` writes it")
+        ->required();
     add_read_flags(*command, flags->read);
     add_surface_flags(*command, flags->settings);
 }

@@ -24,11 +24,14 @@ void expect_refused(const Ended& ended, int code, const std::string& word) {
     EXPECT_THAT(ended.out, IsEmpty());
 }
 
-std::string demo_scan() { return GLOWWORM_ROOT "/demo/scans/1_chamber_south.ply"; }
+std::string demo_scan() {
+    return GLOWWORM_ROOT "/demo/scans/1_chamber_south.ply";
+}
 
 TEST(BadInput, AFileThatIsNotThere) {
     const ScratchFolder folder;
-    expect_refused(glowworm({"convert", folder / "no.ply", "-o", folder / "cave.svo"}), 3, "no.ply");
+    expect_refused(glowworm({"convert", folder / "no.ply", "-o", folder / "cave.svo"}), 3,
+                   "no.ply");
     EXPECT_THAT(names_in(folder.path()), IsEmpty());
 }
 
@@ -44,14 +47,16 @@ TEST(BadInput, ATruncatedScan) {
     const ScratchFolder folder, results;
     std::filesystem::copy(demo_scan(), folder / "cut.ply");
     std::filesystem::resize_file(folder / "cut.ply", 700'001);
-    expect_refused(glowworm({"convert", folder / "cut.ply", "-o", results / "cave.svo"}), 3, "cut.ply");
+    expect_refused(glowworm({"convert", folder / "cut.ply", "-o", results / "cave.svo"}), 3,
+                   "cut.ply");
     EXPECT_THAT(names_in(results.path()), IsEmpty());
 }
 
 TEST(BadInput, AnUnknownKind) {
     const ScratchFolder folder, results;
     write_text(folder / "what.bin", std::string("\x01\x02\x03\x04 what is this\x00\xff", 24));
-    expect_refused(glowworm({"convert", folder / "what.bin", "-o", results / "cave.svo"}), 3, "what.bin");
+    expect_refused(glowworm({"convert", folder / "what.bin", "-o", results / "cave.svo"}), 3,
+                   "what.bin");
     EXPECT_THAT(names_in(results.path()), IsEmpty());
 }
 
@@ -68,13 +73,15 @@ TEST(BadInput, AScanWithoutPoints) {
     write_text(folder / "none.ply",
                "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n"
                "property float z\nend_header\n");
-    expect_refused(glowworm({"convert", folder / "none.ply", "-o", results / "cave.svo"}), 4, "none.ply");
+    expect_refused(glowworm({"convert", folder / "none.ply", "-o", results / "cave.svo"}), 4,
+                   "none.ply");
     EXPECT_THAT(names_in(results.path()), IsEmpty());
 }
 
 TEST(BadInput, AnOutputFolderThatIsNotThere) {
     const ScratchFolder folder;
-    expect_refused(glowworm({"convert", demo_scan(), "-o", folder / "missing/cave.svo"}), 3, "missing");
+    expect_refused(glowworm({"convert", demo_scan(), "-o", folder / "missing/cave.svo"}), 3,
+                   "missing");
 }
 
 TEST(BadInput, AnOutputThatIsThereIsKept) {
@@ -87,9 +94,10 @@ TEST(BadInput, AnOutputThatIsThereIsKept) {
 TEST(BadInput, InputAndOutputAtOnce) {
     const ScratchFolder folder;
     std::filesystem::copy(demo_scan(), folder / "scan.ply");
-    expect_refused(glowworm({"convert", folder / "scan.ply", "-o", folder / "scan.ply", "--force"}), 2,
-                   "scan.ply");
-    EXPECT_EQ(std::filesystem::file_size(folder / "scan.ply"), std::filesystem::file_size(demo_scan()));
+    expect_refused(glowworm({"convert", folder / "scan.ply", "-o", folder / "scan.ply", "--force"}),
+                   2, "scan.ply");
+    EXPECT_EQ(std::filesystem::file_size(folder / "scan.ply"),
+              std::filesystem::file_size(demo_scan()));
 }
 
 TEST(BadInput, WrongUsage) {

@@ -1,5 +1,6 @@
-// The direction of dependency, preprocess → octree ← viewer → shaders, held by reading every #include:
-// the compiler cannot hold it, because all libraries lie in the same system include folder.
+// The direction of dependency, preprocess → octree ← viewer → shaders, held by reading every
+// #include: the compiler cannot hold it, because all libraries lie in the same system include
+// folder.
 
 #include <filesystem>
 #include <fstream>
@@ -28,7 +29,8 @@ std::vector<Include> includes_below(const std::string& folder) {
         std::smatch match;
         for (std::string line; std::getline(stream, line);) {
             if (!std::regex_search(line, match, pattern)) continue;
-            found.push_back({fs::relative(entry.path(), GLOWWORM_ROOT), match[2], match[1] == "\""});
+            found.push_back(
+                {fs::relative(entry.path(), GLOWWORM_ROOT), match[2], match[1] == "\""});
         }
     }
     return found;
@@ -42,7 +44,8 @@ bool starts_with_any(const std::string& text, const std::vector<std::string>& pr
 }
 
 const std::vector<std::string> kToolLibraries = {"pcl/", "CGAL/", "ceres/", "flann/"};
-const std::vector<std::string> kViewerLibraries = {"epoxy/", "GL/", "EGL/", "GLFW/", "glm/", "imgui"};
+const std::vector<std::string> kViewerLibraries = {"epoxy/", "GL/",  "EGL/",
+                                                   "GLFW/",  "glm/", "imgui"};
 
 TEST(Fence, TheOctreeKnowsOnlyTheStandardLibraryTbbAndXxhash) {
     const std::set<std::string> posix = {"fcntl.h", "unistd.h", "xxhash.h", "signal.h", "setjmp.h"};
@@ -50,8 +53,8 @@ TEST(Fence, TheOctreeKnowsOnlyTheStandardLibraryTbbAndXxhash) {
     ASSERT_FALSE(includes.empty());
     for (const Include& include : includes) {
         const bool standard = include.target.find_first_of("./") == std::string::npos;
-        const bool scene_reads_json = include.file.filename() == "scene.cpp" &&
-                                      include.target == "nlohmann/json.hpp";
+        const bool scene_reads_json =
+            include.file.filename() == "scene.cpp" && include.target == "nlohmann/json.hpp";
         EXPECT_TRUE(include.ours ? include.target.starts_with("octree/")
                                  : standard || posix.contains(include.target) || scene_reads_json ||
                                        starts_with_any(include.target, {"tbb/", "sys/"}))
@@ -74,7 +77,8 @@ TEST(Fence, TheViewerNeverReachesIntoTheTools) {
     const auto includes = includes_below("viewer");
     ASSERT_FALSE(includes.empty());
     for (const Include& include : includes) {
-        EXPECT_FALSE(include.target.starts_with("preprocess/") || include.target.starts_with("Eigen/"))
+        EXPECT_FALSE(include.target.starts_with("preprocess/") ||
+                     include.target.starts_with("Eigen/"))
             << include.file << " includes " << include.target;
         EXPECT_FALSE(starts_with_any(include.target, kToolLibraries))
             << include.file << " includes " << include.target;

@@ -35,11 +35,13 @@ Ended run_program(const std::filesystem::path& program, const std::vector<std::s
     std::vector<std::string> words{program.string()};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
+    for (std::string& word : words)
+        argv.push_back(word.data());
     argv.push_back(nullptr);
 
     pid_t child = 0;
-    const int failed = ::posix_spawn(&child, words[0].c_str(), &actions, nullptr, argv.data(), environ);
+    const int failed =
+        ::posix_spawn(&child, words[0].c_str(), &actions, nullptr, argv.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     if (failed != 0) throw std::runtime_error("cannot run " + words[0]);
 

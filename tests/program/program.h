@@ -8,7 +8,7 @@ namespace glowworm::testing {
 
 /// How a program ended and what it said.
 struct Ended {
-    int code = -1;        ///< exit code; 128 + n where signal n ended it
+    int code = -1;  ///< exit code; 128 + n where signal n ended it
     std::string out, err;
 };
 
