@@ -40,7 +40,8 @@ inline std::string las_record(const std::string& user, std::uint16_t id,
     std::copy(user.begin(), user.end(), record.begin() + 2);
     put(record, 18, id);
     put(record, 20, static_cast<std::uint16_t>(content.size()));
-    return record + content;
+    record += content;
+    return record;
 }
 
 inline std::string las_file(const LasContent& content) {

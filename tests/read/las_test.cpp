@@ -247,14 +247,43 @@ TEST(Laz, CompressedFilesHoldTheRecordsOfTheirUncompressedTwins) {
     }
 }
 
-TEST(Laz, FilesWithoutATwinHoldTheCountAndTheBoundsOfTheirHeaders) {
+TEST(Las, EveryReferenceFileHoldsTheCountAndTheBoundsOfItsHeader) {
     GLOWWORM_DATA_OR_SKIP(data);
-    for (const char* name : {"loaders.gl/modules/las/test/data/indoor.laz",
-                             "pdal/laz/autzen_trim.laz", "pdal/copc/1.2-with-color.copc.laz"}) {
+    std::vector<std::filesystem::path> paths;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(data / "formats")) {
+        const std::string extension = entry.path().extension().string();
+        if (extension == ".las" || extension == ".laz") paths.push_back(entry.path());
+    }
+    std::sort(paths.begin(), paths.end());
+    EXPECT_GE(paths.size(), 37u);
+    for (const std::filesystem::path& path : paths) {
+        const std::string name = std::filesystem::relative(path, data / "formats").string();
         SCOPED_TRACE(name);
+        // Their points were cut off: one of 719, all of 1065.
+        if (name == "pdal/las/garbage_nVariableLength.las" ||
+            name == "pdal/las/permutations/1.2-no-points.las") {
+            const Outcome outcome = outcome_of_reading(path);
+            EXPECT_EQ(outcome.code, ExitCode::kUnreadable);
+            std::printf("%-50s %s\n", name.c_str(), outcome.sentence.c_str());
+            continue;
+        }
         LasHeader header;
-        expect_bounds(all_records(data / "formats" / name, header), header);
-        std::printf("%-50s %8zu points\n", name, static_cast<std::size_t>(header.point_count));
+        const std::vector<std::byte> records = all_records(path, header);
+        if (name == "laspy/simple1_3.las") {  // its writer gives the bounds as they are stored
+            EXPECT_EQ(load<std::int32_t>(records.data()), header.bounds_max.x);
+        } else if (header.point_count > 0) {
+            expect_bounds(records, header);
+        }
+        std::uint64_t streamed = 0;
+        const auto file = open_scan_file(path);
+        ScanHeader scan;
+        PointBlock block;
+        ASSERT_TRUE(file->next_scan(scan));
+        while (file->next_block(block))
+            streamed += block.size() + block.invalid;
+        EXPECT_EQ(streamed, header.point_count);
+        std::printf("%-50s %8zu points, %s %s\n", name.c_str(), static_cast<std::size_t>(streamed),
+                    file->format().name.c_str(), file->format().version.c_str());
     }
 }
 
