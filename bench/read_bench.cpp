@@ -144,7 +144,7 @@ int main(int argc, char** argv) {
     fs::create_directories(folder);
     {
         const PointCloud cloud = some_cloud();
-        for (const char* name : {"scan.ply", "scan.pcd", "scan.xyz"}) {
+        for (const char* name : {"scan.ply", "scan.pcd", "scan.las", "scan.e57", "scan.xyz"}) {
             if (std::string(name) == "scan.xyz")
                 write_text(cloud, folder / name);
             else
