@@ -62,6 +62,14 @@ Lobe lobe_of(const LobeSums& sums, const LeafSums& leaf) {
     return lobe;
 }
 
+/// The second moments of samples that scatter by `sigma` along `n`.
+void add_spread(const Vec3d& n, double sigma, LobeSums& sums) {
+    const double a = sums.area * sigma * sigma;
+    const double products[6] = {n.x * n.x, n.y * n.y, n.z * n.z, n.x * n.y, n.x * n.z, n.y * n.z};
+    for (int i = 0; i < 6; ++i)
+        sums.moments[i] += a * products[i];
+}
+
 }  // namespace
 
 void LobeSums::operator+=(const LobeSums& other) {
@@ -90,22 +98,20 @@ void LeafSums::add(const LobeSample& sample) {
 
 void LeafSums::add_box(const LobeSample& sample, const Vec3d& lower, const Vec3d& upper) {
     const Vec3d p = (sample.position - centre) / edge;
-    const Vec3d n = normalized(sample.ndf);
     const double a = sample.area;
-    const double spread = sample.plane_sigma / edge;
-    const double s = spread * spread;
-    const LobeSums piece{a,
-                         sample.surfels,
-                         p * a,
-                         sample.ndf * a,
-                         sample.albedo * a,
-                         sample.emission * a,
-                         {a * (p.x * p.x + s * n.x * n.x), a * (p.y * p.y + s * n.y * n.y),
-                          a * (p.z * p.z + s * n.z * n.z), a * (p.x * p.y + s * n.x * n.y),
-                          a * (p.x * p.z + s * n.x * n.z), a * (p.y * p.z + s * n.y * n.z)},
-                         (lower - centre) / edge,
-                         (upper - centre) / edge,
-                         sample.light};
+    LobeSums piece{
+        a,
+        sample.surfels,
+        p * a,
+        sample.ndf * a,
+        sample.albedo * a,
+        sample.emission * a,
+        {a * p.x * p.x, a * p.y * p.y, a * p.z * p.z, a * p.x * p.y, a * p.x * p.z, a * p.y * p.z},
+        (lower - centre) / edge,
+        (upper - centre) / edge,
+        sample.light};
+    if (sample.plane_sigma > 0.0)
+        add_spread(normalized(sample.ndf), sample.plane_sigma / edge, piece);
 
     const std::size_t index = sample.emits() ? kEmitters : nearest_axis(sample.ndf);
     if (used >> index & 1u) {
