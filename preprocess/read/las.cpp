@@ -16,6 +16,7 @@ namespace glowworm {
 namespace {
 
 constexpr std::size_t kBlockPoints = std::size_t{1} << 16;
+constexpr std::size_t kBlockBytes = std::size_t{1} << 23;  // extra bytes can make records of 64 kB
 constexpr std::size_t kSamples = 64;  // places where colours are looked at, and records at each
 
 constexpr LazLayers kNeeded{.flags = true,
@@ -96,7 +97,8 @@ class LasFile final : public ScanFile {
 
   private:
     void read_more() {
-        buffered_ = static_cast<std::size_t>(std::min<std::uint64_t>(left_, kBlockPoints));
+        const std::size_t most = std::min(kBlockPoints, kBlockBytes / header_.record_bytes);
+        buffered_ = static_cast<std::size_t>(std::min<std::uint64_t>(left_, most));
         if (records_.size() < buffered_ * header_.record_bytes) {
             records_.resize(buffered_ * header_.record_bytes);
         }
