@@ -20,13 +20,18 @@ struct vec4 {
 #define BINDING_RADIANCE 4   // vec4 per lobe: outgoing radiance, W/sr/m2
 #define BINDING_LIGHTS 5
 #define BINDING_LINKS 6
-#define BINDING_CONES 7
+#define BINDING_SIDES 7      // uvec2 per node and side: opacity and radiance for cones
 #define BINDING_SCRATCH_A 8
 #define BINDING_SCRATCH_B 9
 #define BINDING_SCRATCH_C 10
+#define BINDING_DENSE 11     // node of every cell of the coarse levels
 #define BINDING_FRAME_FIRST 12
 // Binding of the uniform block of LightGrid; the frame's start at 1.
 #define BINDING_LIGHT_GRID 0
+
+// Levels up to this one have a table of all their cells, the coarser first: level l starts at
+// (8^l - 1) / 7.
+#define DENSE_LEVELS 6
 
 #define NO_HIT 0xffffffffu
 #define BURIED 0xfffffffeu   // octree/trace.h: kBuried

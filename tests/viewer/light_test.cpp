@@ -9,6 +9,7 @@
 #include "light_reference.h"
 #include "octree/build.h"
 #include "octree/close_patches.h"
+#include "octree/error.h"
 #include "octree/links.h"
 #include "viewer/gpu/context.h"
 #include "viewer/light/anderson.h"
@@ -221,6 +222,44 @@ TEST(Light, BakedLinksGiveTheSameLightAsTracedOnes) {
     const auto b = baked.read_indirect();
     for (std::size_t i = 0; i < a.size(); ++i)
         ASSERT_EQ(a[i].x, b[i].x);
+}
+
+TEST(Cones, EverySetOfConesCoversTheHemisphereOnceByCosine) {
+    for (const bool faithful : {false, true}) {
+        for (const int count : {4, 5, 6, 9, 10, 16}) {
+            double weights = 0.0, upward = 0.0;
+            for (const gpu::vec4& cone : cone_set(count, faithful)) {
+                weights += cone.w;
+                upward += cone.w * std::sqrt(1.0 - cone.x);
+            }
+            EXPECT_NEAR(weights, 1.0, 1e-6);
+            // Cosine-weighted, the mean cosine of the hemisphere is 2/3; few cones come near it.
+            EXPECT_NEAR(upward, 2.0 / 3.0, 0.07) << count << (faithful ? " faithful" : "");
+        }
+    }
+    EXPECT_THROW(cone_set(7, false), Error);
+}
+
+TEST(Cones, ASphereComesNearTheFormulaAndThePapersOwnStaysDarker) {
+    const Context context = Context::headless();
+    const Octree octree = at_depth(sphere(2.0, 40000, 0.5f), 5);
+    const double truth = sphere_irradiance(10.0, 2.0, 0.5);
+    const auto mean_error = [&](const LightSettings& settings) {
+        LightField field(context, octree.view(), lamp_at({0.0, 0.0, 0.0}), settings);
+        field.iterate(12);
+        double sum = 0.0;
+        const auto indirect = field.read_indirect();
+        for (const gpu::vec4& e : indirect)
+            sum += e.x / truth - 1.0;
+        return sum / static_cast<double>(indirect.size());
+    };
+    const double corrected = mean_error({.gather = Gather::kCones, .cones = 6});
+    const double faithful = mean_error({.faithful = true});
+    std::cout << "6 cones " << 100.0 * corrected << " %, faithful " << 100.0 * faithful << " %\n";
+    EXPECT_LT(std::abs(corrected), 0.05);
+    EXPECT_GT(faithful, -0.5);
+    EXPECT_LT(faithful, 0.1);
+    EXPECT_THAT(context.errors(), IsEmpty());
 }
 
 TEST(Anderson, WeightsSolveTheLeastSquaresAndRefuseNonsense) {

@@ -69,8 +69,12 @@ void LightField::bind() const {
 }
 
 void LightField::prepare(const Progress& progress) {
-    if (!links_.empty() || octree_.lobes.empty()) return;
+    if (!links_.empty() || cones_ || octree_.lobes.empty()) return;
     bind();
+    if (settings_.gather == Gather::kCones || settings_.faithful) {
+        cones_.emplace(octree_, settings_);
+        return;
+    }
     links_ = GpuLinks(context_, octree_, settings_, progress);
 }
 
@@ -83,7 +87,12 @@ void LightField::gather() {
     emitted_.bind_storage(BINDING_SCRATCH_A);
     radiate_.dispatch(octree_.lobes.size(), kGroup);
     gathered_.bind_storage(BINDING_SCRATCH_B);
-    links_.gather();
+    if (cones_) {
+        cones_->filter();
+        cones_->gather();
+    } else {
+        links_.gather();
+    }
 }
 
 void LightField::iterate(int bounces) {

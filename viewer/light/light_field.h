@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "viewer/gpu/objects.h"
 #include "viewer/gpu/program.h"
 #include "viewer/light/anderson.h"
+#include "viewer/light/cones.h"
 #include "viewer/light/links.h"
 #include "viewer/light/settings.h"
 #include "viewer/light/upload.h"
@@ -48,8 +50,8 @@ class LightField {
     /// next bounces start from.
     void set_scene(const Scene& scene);
 
-    /// Makes ready what bounces need, once: baked links where the file has them, else they are
-    /// traced, on the CPU where OpenGL runs on it too. The first bounce calls it.
+    /// Makes ready what bounces need, once: cones, or links, baked ones where the file has them,
+    /// else traced, on the CPU where OpenGL runs on it too. The first bounce calls it.
     void prepare(const Progress& progress = {});
 
     void forget_indirect();  ///< back to direct light only
@@ -83,6 +85,7 @@ class LightField {
     Buffer emitted_, direct_, indirect_, radiance_, gathered_;  // [lobes] vec4
     Program inject_, radiate_, probe_;
     GpuLinks links_;
+    std::optional<ConeGather> cones_;
 };
 
 }  // namespace glowworm
