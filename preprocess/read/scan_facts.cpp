@@ -86,10 +86,11 @@ void FactsCollector::finish(ScanFacts& facts) {
     facts.brightest = brightest_;
     facts.on_float_grid = on_float_grid_;
     std::ranges::sort(sampled_hashes_);
-    const auto repeats = std::ranges::unique(sampled_hashes_);
+    // Not std::ranges::unique: clang 14 cannot compile what it returns.
+    const auto distinct = std::unique(sampled_hashes_.begin(), sampled_hashes_.end());
     if (!sampled_hashes_.empty()) {
-        facts.duplicate_share =
-            static_cast<double>(repeats.size()) / static_cast<double>(sampled_hashes_.size());
+        facts.duplicate_share = static_cast<double>(sampled_hashes_.end() - distinct) /
+                                static_cast<double>(sampled_hashes_.size());
     }
 }
 
