@@ -40,7 +40,8 @@ nlohmann::ordered_json run_build(Run& run, const BuildCommandFlags& flags) {
     say_defaults(defaults, flags.default_albedo);
     add_area_lights(surfels, lights);
     const BuildSettings settings = flags.build.settings("build", {flags.input});
-    const Octree octree = build_octree(surfels, settings, run.console.phase("build", "surfels"));
+    Octree octree = build_octree(surfels, settings, run.console.phase("build", "surfels"));
+    bake_links(octree, flags.build.links, run.console.phase("links", "lobes"));
 
     run.console.phase("write", "bytes");
     write_octree_file(octree.view(), output);

@@ -9,6 +9,9 @@
 namespace glowworm {
 namespace {
 
+/// 256 bytes a lobe: what the viewer uses.
+constexpr std::uint32_t kDefaultLinks = 64;
+
 struct ConvertFlags {
     std::vector<std::filesystem::path> inputs;
     ConvertSettings settings;
@@ -51,7 +54,7 @@ nlohmann::ordered_json run_convert(Run& run, ConvertFlags flags) {
     const auto begin = [&](const std::string& phase, const std::string& unit) {
         return run.console.phase(phase, unit);
     };
-    const Conversion done =
+    Conversion done =
         convert_scans(files, flags.settings, begin, [&](const Registration& registration) {
             write_poses(registration.poses, poses);
             spdlog::info("the poses and how far to trust them are in {}", poses.string());
@@ -61,6 +64,7 @@ nlohmann::ordered_json run_convert(Run& run, ConvertFlags flags) {
     say_surface(done.surface);
     say_octree(done.octree.view());
 
+    bake_links(done.octree, flags.build.links, run.console.phase("links", "lobes"));
     run.console.phase("write", "bytes");
     write_octree_file(done.octree.view(), output);
     run.console.end_phase();
@@ -71,6 +75,7 @@ nlohmann::ordered_json run_convert(Run& run, ConvertFlags flags) {
 
 void add_convert_command(Program& program) {
     auto flags = std::make_shared<ConvertFlags>();
+    flags->build.links = kDefaultLinks;
     CLI::App* command =
         program.add("convert", "raw scans to an octree file, the whole pipeline in one command",
                     true, [flags](Run& run) { return run_convert(run, *flags); });

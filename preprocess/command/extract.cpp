@@ -28,8 +28,8 @@ PointCloud to_cloud(const std::vector<Voxel>& voxels, const Vec3d& origin) {
         cloud.points.positions.push_back(voxel.centre);
         cloud.points.normals.push_back(normalized(voxel.ndf));
         cloud.points.ndf_lengths.push_back(std::clamp(length(voxel.ndf), 1e-3f, 1.0f));
-        cloud.points.colours.push_back({pack_srgb8(voxel.albedo.x), pack_srgb8(voxel.albedo.y),
-                                        pack_srgb8(voxel.albedo.z)});
+        cloud.points.colours.push_back(
+            {pack_srgb8(voxel.albedo.x), pack_srgb8(voxel.albedo.y), pack_srgb8(voxel.albedo.z)});
         cloud.points.intensities.push_back(voxel.opacity);
     }
     return cloud;

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "octree/error.h"
+#include "octree/links.h"
 #include "octree/scene.h"
 #include "preprocess/command/command.h"
 #include "preprocess/provenance.h"
@@ -50,6 +51,13 @@ void BuildFlags::add_to(CLI::App& command) {
         ->excludes(by_depth);
     command.add_option("--lights", lights,
                        "scene.json whose area lights become samples of the tree");
+    command
+        .add_option(
+            "--links", links,
+            "rays per lobe to trace now and keep in the file, so that the viewer starts with "
+            "bounces at once; 0 leaves them to the viewer")
+        ->check(CLI::Range(0u, 1024u))
+        ->capture_default_str();
 }
 
 std::vector<AreaLight> BuildFlags::area_lights() const {
@@ -89,6 +97,14 @@ void add_surface_flags(CLI::App& command, SurfaceSettings& settings) {
         .add_option("--default-albedo", settings.default_albedo,
                     "linear albedo of points without colour or intensity")
         ->check(CLI::Range(0.0f, 1.0f));
+}
+
+void bake_links(Octree& octree, std::uint32_t links, const Progress& progress) {
+    if (links == 0) return;
+    octree.links = trace_links(octree.view(), {.rays = links}, progress);
+    octree.links_per_lobe = links;
+    spdlog::info("{} links a lobe are in the file, {}; --links 0 leaves them out", links,
+                 format_bytes(octree.links.size() * sizeof(std::uint32_t)));
 }
 
 nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings) {

@@ -9,6 +9,7 @@
 
 #include "octree/build.h"
 #include "octree/octree_file.h"
+#include "octree/progress.h"
 #include "octree/surfel.h"
 #include "preprocess/read/preflight.h"
 #include "preprocess/read/read_scans.h"
@@ -28,11 +29,12 @@ struct RegistrationFlags {
     void apply(RegistrationSettings& settings) const;
 };
 
-/// --depth, --voxel-size, --lights.
+/// --depth, --voxel-size, --lights, --links.
 struct BuildFlags {
     std::optional<std::uint32_t> depth;
     std::optional<double> voxel_size;
     std::filesystem::path lights;
+    std::uint32_t links = 0;  ///< rays per lobe to trace and keep in the file; 0: none
 
     void add_to(CLI::App& command);
     std::vector<AreaLight> area_lights() const;
@@ -47,6 +49,10 @@ void add_surface_flags(CLI::App& command, SurfaceSettings& settings);
 
 nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings);
 nlohmann::ordered_json surface_json(const SurfaceReport& report);
+
+/// Traces `links` rays per lobe and keeps them in `octree`, so that a viewer starts with bounces;
+/// says what they add to the file. Nothing for 0.
+void bake_links(Octree& octree, std::uint32_t links, const Progress& progress);
 
 /// What was found and decided, for people, in the log.
 void say_warnings(const std::vector<Warning>& warnings);
