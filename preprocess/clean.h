@@ -35,7 +35,7 @@ std::vector<std::uint32_t> inlier_indices(std::span<const Vec3f> positions, bool
 
 struct CleanSettings {
     bool remove_outliers = true;
-    OutlierSettings outliers;
+    OutlierSettings outliers = {};
     double voxel_size = 0.0;  ///< m, thinning; 0: none
 };
 

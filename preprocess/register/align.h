@@ -23,12 +23,13 @@ enum class PriorMode {
 
 struct RegistrationSettings {
     PriorMode mode = PriorMode::kRefine;
-    std::optional<Poses> prior;  ///< a poses.json; goes before the poses in the files
-    bool upright = false;        ///< scanners are levelled: only yaw and position are sought
-    double voxel_size = 0.0;     ///< m, of the coarse surface samples; 0: from the scans' extent
+    std::optional<Poses> prior =
+        std::nullopt;         ///< a poses.json; goes before the poses in the files
+    bool upright = false;     ///< scanners are levelled: only yaw and position are sought
+    double voxel_size = 0.0;  ///< m, of the coarse surface samples; 0: from the scans' extent
     std::uint32_t max_scans = 1000;         ///< more is refused with a sentence
     std::uint32_t candidates_per_scan = 8;  ///< partners tried per scan where there are many
-    std::vector<std::pair<std::size_t, std::size_t>> pairs;  ///< known pairs; empty: sought
+    std::vector<std::pair<std::size_t, std::size_t>> pairs = {};  ///< known pairs; empty: sought
 };
 
 struct Registration {

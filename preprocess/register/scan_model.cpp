@@ -19,6 +19,7 @@ constexpr std::size_t kFewestNeighbours = 6;
 constexpr float kPlaneRadius = 3.0f;  // in spacings
 
 constexpr double kFineSpacing = 0.5;     // in coarse spacings
+constexpr double kFinestShare = 1e-5;    // of the largest scan: least voxel size
 constexpr std::size_t kSubset = 100000;  // points that the voxel size is chosen by
 
 struct Plane {
@@ -145,7 +146,7 @@ ScanModel model_scan(const Scan& scan, double spacing, bool upright) {
 }
 
 double choose_voxel_size(std::span<const Scan> scans, bool upright, std::size_t samples) {
-    std::vector<double> sizes(scans.size());
+    std::vector<double> sizes(scans.size()), extents(scans.size());
     tbb::parallel_for(std::size_t{0}, scans.size(), [&](std::size_t s) {
         const std::vector<Vec3f>& positions = scans[s].points.positions;
         // An even subset is enough to find the size by.
@@ -161,7 +162,8 @@ double choose_voxel_size(std::span<const Scan> scans, bool upright, std::size_t 
             low = component_min(low, p);
             high = component_max(high, p);
         }
-        double most = std::max(static_cast<double>(length(high - low)), 1e-6) / 2.0;
+        extents[s] = static_cast<double>(length(high - low));
+        double most = std::max(extents[s], 1e-6) / 2.0;
         double least = most / 65536.0;
         for (int round = 0; round < 18; ++round) {
             const double middle = std::sqrt(least * most);
@@ -171,7 +173,8 @@ double choose_voxel_size(std::span<const Scan> scans, bool upright, std::size_t 
     });
     const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
     std::nth_element(sizes.begin(), middle, sizes.end());
-    return *middle;
+    // A scan of one place beside one of a mountain: no grid can be that fine.
+    return std::max(*middle, *std::max_element(extents.begin(), extents.end()) * kFinestShare);
 }
 
 }  // namespace glowworm

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+#include "preprocess/poses.h"
+#include "preprocess/scan.h"
+
+namespace glowworm {
+
+/// Writes a PNG of all placed scans from above: a colour each, dark where many points lie over one
+/// another, stations as ringed discs, a white scale bar of a round length at the lower left. The
+/// longer side is `pixels` (64..8192) long. Throws Error kUsage for a size out of range,
+/// kDegenerate where no scan is placed, kUnreadable where the file cannot be written.
+void write_plan_view(std::span<const Scan> scans, const Poses& poses,
+                     const std::filesystem::path& file, std::uint32_t pixels = 1200);
+
+}  // namespace glowworm
