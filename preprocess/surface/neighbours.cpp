@@ -30,6 +30,10 @@ constexpr std::size_t kLanes = 16;
 /// of them are then picked one by one.
 constexpr int kSteps = 10;
 
+std::size_t pad(std::size_t size) {
+    return (size + kLanes - 1) / kLanes * kLanes;
+}
+
 GLOWWORM_WIDE
 void measure_distances(const float* __restrict x, const float* __restrict y,
                        const float* __restrict z, std::size_t size, Vec3f from,
@@ -96,11 +100,10 @@ std::size_t places_within(const float* distance2, std::size_t size, float bound,
     return count;
 }
 
-}  // namespace
-
-float NearestSearch::bound_of(std::size_t size, std::size_t wanted, float enough,
-                              float guess) const {
-    const float* distance2 = distance2_.data();
+/// A squared distance within which at least `wanted` of the `size` distances are, exactly `wanted`
+/// unless some are equal, given one that is enough and a guess (0: none). `enough` where fewer are.
+float bound_of(const float* distance2, std::size_t size, std::size_t wanted, float enough,
+               float guess) {
     float low = 0.0f, high = enough;
     std::size_t below = 0, above = 0;  // above: unknown until a bound had too many
     float bound = guess;
@@ -132,6 +135,8 @@ float NearestSearch::bound_of(std::size_t size, std::size_t wanted, float enough
     }
     return high;
 }
+
+}  // namespace
 
 /// The leaves within `reach2` of a box, those that follow each other joined.
 void NearestSearch::collect_ranges(const Vec3f& low, const Vec3f& high, float reach2) {
@@ -175,7 +180,7 @@ void NearestSearch::gather(std::span<const std::uint32_t> queries, int count, fl
         high = component_max(high, position);
         measure_distances(tree_->x.data() + begin, tree_->y.data() + begin, tree_->z.data() + begin,
                           window, position, distance2_.data());
-        const float bound = bound_of(window, wanted, radius2_, reach2);
+        const float bound = bound_of(distance2_.data(), window, wanted, radius2_, reach2);
         reach2 = std::max(reach2, bound);
     }
 
@@ -183,7 +188,7 @@ void NearestSearch::gather(std::span<const std::uint32_t> queries, int count, fl
     gathered_ = 0;
     for (const Range& range : ranges_)
         gathered_ += range.end - range.begin;
-    padded_ = (gathered_ + kLanes - 1) / kLanes * kLanes;
+    padded_ = pad(gathered_);
     if (index_.size() < padded_) {
         x_.resize(padded_);
         y_.resize(padded_);
@@ -216,8 +221,10 @@ void NearestSearch::measure(std::uint32_t query) {
 /// Puts the places (in the gathered arrays) of the `count` nearest, ascending, into chosen_.
 void NearestSearch::select(int count) {
     const auto keep = static_cast<std::size_t>(count);
-    const float bound = bound_of(padded_, keep + 1, radius2_, guess_);
-    guess_ = bound;
+    const auto wanted = static_cast<float>(keep + 1);
+    const float bound =
+        bound_of(distance2_.data(), padded_, keep + 1, radius2_, area_per_point_ * wanted);
+    area_per_point_ = bound / wanted;
     std::size_t found = places_within(distance2_.data(), padded_, bound, chosen_.data());
     const auto self = std::find_if(chosen_.data(), chosen_.data() + found,
                                    [&](std::uint32_t place) { return index_[place] == query_; });
@@ -225,18 +232,30 @@ void NearestSearch::select(int count) {
         std::copy(self + 1, chosen_.data() + found, self);
         --found;
     }
-    chosen_count_ = std::min(found, keep);
-    if (found <= keep) return;
-    // Too many because some are equally far: the smaller index, which is the smaller place, goes
-    // first.
-    const auto middle = chosen_.begin() + static_cast<std::ptrdiff_t>(keep);
-    std::nth_element(chosen_.begin(), middle, chosen_.begin() + static_cast<std::ptrdiff_t>(found),
+    chosen_count_ = found;
+    drop_surplus(keep);
+}
+
+/// Leaves the `count` nearest of the chosen where equal distances let more in. The smaller index,
+/// which is the smaller place, goes first.
+void NearestSearch::drop_surplus(std::size_t count) {
+    if (chosen_count_ <= count) return;
+    const auto middle = chosen_.begin() + static_cast<std::ptrdiff_t>(count);
+    std::nth_element(chosen_.begin(), middle,
+                     chosen_.begin() + static_cast<std::ptrdiff_t>(chosen_count_),
                      [&](std::uint32_t a, std::uint32_t b) { return is_nearer(a, b); });
     std::sort(chosen_.begin(), middle);
+    chosen_count_ = count;
 }
 
 bool NearestSearch::is_nearer(std::uint32_t a, std::uint32_t b) const {
     return distance2_[a] < distance2_[b] || (distance2_[a] == distance2_[b] && a < b);
+}
+
+std::span<const std::uint32_t> NearestSearch::listed() {
+    for (std::size_t i = 0; i < chosen_count_; ++i)
+        result_[i] = index_[chosen_[i]];
+    return {result_.data(), chosen_count_};
 }
 
 std::span<const std::uint32_t> NearestSearch::nearest(int count) {
@@ -244,6 +263,28 @@ std::span<const std::uint32_t> NearestSearch::nearest(int count) {
     for (std::size_t i = 0; i < chosen_count_; ++i)
         result_[i] = index_[chosen_[i]];
     return {result_.data(), chosen_count_};
+}
+
+std::span<const std::uint32_t> NearestSearch::nearest_of_those(int count) {
+    const auto keep = static_cast<std::size_t>(count);
+    if (chosen_count_ <= keep) return listed();
+    const std::size_t padded = pad(chosen_count_);
+    near_.assign(padded, std::numeric_limits<float>::infinity());
+    float largest = 0.0f;
+    for (std::size_t i = 0; i < chosen_count_; ++i) {
+        near_[i] = distance2_[chosen_[i]];
+        largest = std::max(largest, near_[i]);
+    }
+    const float guess = largest * static_cast<float>(count) / static_cast<float>(chosen_count_);
+    const float bound = bound_of(near_.data(), padded, keep, largest, guess);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < chosen_count_; ++i) {
+        chosen_[kept] = chosen_[i];
+        kept += near_[i] <= bound;
+    }
+    chosen_count_ = kept;
+    drop_surplus(keep);
+    return listed();
 }
 
 std::span<const std::uint32_t> NearestSearch::nearest_in_order(int count) {

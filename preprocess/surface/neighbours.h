@@ -34,7 +34,10 @@ class NearestSearch {
     /// How many were gathered.
     std::size_t gathered() const { return gathered_; }
 
-    /// The same, nearest first.
+    /// The `count` nearest of those that were found last, in the order of the tree.
+    std::span<const std::uint32_t> nearest_of_those(int count);
+
+    /// As `nearest`, nearest first.
     std::span<const std::uint32_t> nearest_in_order(int count);
 
   private:
@@ -42,17 +45,16 @@ class NearestSearch {
         std::uint32_t begin, end;
     };
 
-    /// A squared distance within which at least `wanted` of the `size` values in distance2_ are,
-    /// `wanted` itself if ties permit, given one that is large enough.
-    float bound_of(std::size_t size, std::size_t wanted, float enough, float guess) const;
     void collect_ranges(const Vec3f& low, const Vec3f& high, float reach2);
     void select(int count);
+    void drop_surplus(std::size_t count);
+    std::span<const std::uint32_t> listed();
     bool is_nearer(std::uint32_t a, std::uint32_t b) const;
 
     const PointTree* tree_;
     float radius2_ = 0.0f;
     std::uint32_t query_ = 0;
-    float guess_ = 0.0f;                // squared distance that the last search ended at
+    float area_per_point_ = 0.0f;       // m², of the last search: where to start the next
     std::vector<float> x_, y_, z_;      // the gathered points, padded with infinity
     std::vector<std::uint32_t> index_;  // where they are in the tree
     std::size_t gathered_ = 0;          // without the padding
@@ -60,6 +62,7 @@ class NearestSearch {
     std::vector<float> distance2_;       // from query_ to the gathered points
     std::vector<std::uint32_t> chosen_;  // places among the gathered
     std::size_t chosen_count_ = 0;
+    std::vector<float> near_;            // distances of the chosen
     std::vector<std::uint32_t> result_;  // indices into the tree
     std::vector<Range> ranges_;
     std::vector<std::uint32_t> stack_;

@@ -67,12 +67,12 @@ class LeafFit {
         const auto stride = static_cast<std::size_t>(table_.count);
         for (const std::uint32_t i : queries_) {
             search_.measure(i);
-            std::ranges::copy(search_.nearest(table_.count),
-                              table_.rows.begin() + static_cast<std::ptrdiff_t>(i * stride));
             const auto found = search_.nearest(settings_.k - 1);
             const PlaneFit plane = fit_side(i, found);
             planes_[i] = to_local_plane(plane);
             const bool more_are_there = found.size() + 1 == static_cast<std::size_t>(settings_.k);
+            std::ranges::copy(search_.nearest_of_those(table_.count),
+                              table_.rows.begin() + static_cast<std::ptrdiff_t>(i * stride));
             if (!more_are_there) continue;
             if (!is_well_shaped(plane)) {
                 odd_.push_back(i);
