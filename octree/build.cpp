@@ -106,7 +106,7 @@ Grid fit_grid(const CloudSummary& summary, const Vec3d& origin, const BuildSetti
     const Vec3d upper = vec3_cast<double>(summary.bounds_max);
     const Vec3d extent = upper - lower;
     double edge = std::max({extent.x, extent.y, extent.z}) * kCubeMargin;
-    if (edge <= 0.0) edge = summary.median_radius > 0.0 ? 8.0 * summary.median_radius : 1.0;
+    if (edge <= 0.0) edge = summary.median_radius > 0.0 ? 64.0 * summary.median_radius : 1.0;
 
     std::uint32_t depth = 0;
     if (settings.voxel_size) {

@@ -307,6 +307,7 @@ void join_octrees(std::span<const OctreeFile> tiles, const JoinSettings& setting
     };
     for (const OctreeFile& file : files) {
         const auto failures = check_structure(file.view());
+        file.forget_pages();
         if (!failures.empty())
             throw Error(ExitCode::kUnreadable, "a tile is damaged: " + failures[0]);
     }

@@ -248,7 +248,7 @@ TEST(Statistics, CountWhatIsThere) {
 }
 
 TEST(Coarsen, KeepsTotalsAndAgreesWithABuildAtThatDepth) {
-    const SurfelCloud cloud = random_cloud(2000, 0.01f);
+    const SurfelCloud cloud = random_cloud(2000, 0.005f);
     const Octree fine = build_octree(cloud, {.depth = 6});
     const Octree coarse = coarsen(fine.view(), 4);
     const Octree truth = build_octree(cloud, {.depth = 4});
