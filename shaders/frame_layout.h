@@ -22,6 +22,7 @@ namespace glowworm::gpu {
 #define BINDING_PIXEL_BEAUTY (BINDING_FRAME_FIRST + 12)
 #define BINDING_PANELS (BINDING_FRAME_FIRST + 13)
 #define BINDING_LUMINANCES (BINDING_FRAME_FIRST + 14)
+#define BINDING_RIMS (BINDING_FRAME_FIRST + 15)
 #define BINDING_VIEW 1
 
 // The camera of viewer/frame/view.h, in the octree's frame.

@@ -9,7 +9,17 @@
 
 layout(std430, binding = BINDING_DEPTHS) readonly buffer pixel_depths { uint depths[]; };
 
-// Discs within one radius behind the nearest one belong to the same surface and are averaged.
+// Discs within one radius behind the nearest one belong to the same surface and are averaged. With
+// BEHIND_RIMS, only where one was found behind a rim.
+#ifdef BEHIND_RIMS
+layout(std430, binding = BINDING_RIMS) readonly buffer pixel_rims { float rims[]; };
+bool counts(uint pixel, float behind, float radius) {
+    return rims[pixel] > 0.0 && behind > -0.01 * radius;   // the rim itself lies farther in front
+}
+#else
+bool counts(uint pixel, float behind, float radius) { return true; }
+#endif
+
 void main() {
     PackedSurfel surfel;
     Splat splat;
@@ -24,7 +34,7 @@ void main() {
             if (!splat_at(splat, ivec2(x, y), depth, weight)) continue;
             uint pixel = uint(y) * view.width + uint(x);
             float behind = depth - uintBitsToFloat(depths[pixel]);
-            if (behind > splat.radius) continue;
+            if (behind > splat.radius || !counts(pixel, behind, splat.radius)) continue;
             add_to_surface(pixel, weight, normal, albedo, ndf_length, behind);
         }
     }

@@ -6,8 +6,18 @@
 #include "splat.glsl"
 #include "splat_input.glsl"
 
-// The nearest disc at each pixel: the bits of a positive float keep its order.
+// The nearest disc at each pixel: the bits of a positive float keep its order. With BEHIND_RIMS, the
+// nearest behind the rims that rim_find.comp found.
 layout(std430, binding = BINDING_DEPTHS) buffer pixel_depths { uint depths[]; };
+
+#ifdef BEHIND_RIMS
+layout(std430, binding = BINDING_RIMS) readonly buffer pixel_rims { float rims[]; };
+bool counts(uint pixel, float depth, float radius) {
+    return rims[pixel] > 0.0 && depth - rims[pixel] > radius;
+}
+#else
+bool counts(uint pixel, float depth, float radius) { return true; }
+#endif
 
 void main() {
     PackedSurfel surfel;
@@ -19,6 +29,7 @@ void main() {
             float depth, weight;
             if (!splat_at(splat, ivec2(x, y), depth, weight)) continue;
             uint pixel = uint(y) * view.width + uint(x);
+            if (!counts(pixel, depth, splat.radius)) continue;
             uint bits = floatBitsToUint(depth);
             if (bits < depths[pixel]) atomicMin(depths[pixel], bits);
         }

@@ -11,8 +11,6 @@ layout(std430, binding = BINDING_DEPTHS) buffer pixel_depths { uint depths[]; };
 layout(std430, binding = BINDING_PIXEL_SURFACES) writeonly buffer pixel_surfaces { vec4 surfaces[]; };
 layout(std430, binding = BINDING_PIXEL_ALBEDOS) writeonly buffer pixel_albedos { vec4 albedos[]; };
 
-const uint kFarthest = 0x7f800000u;   // +infinity
-
 void main() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     uint pixel = group * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
@@ -30,7 +28,5 @@ void main() {
     albedos[pixel] = albedo;
 
     depths[pixel] = kFarthest;
-    normal_sums[pixel] = ivec4(0);
-    albedo_sums[pixel] = uvec4(0u);
-    behind_sums[pixel] = 0;
+    clear_surface(pixel);
 }

@@ -4,6 +4,7 @@ layout(std430, binding = BINDING_NORMAL_SUMS) buffer pixel_normal_sums { ivec4 n
 layout(std430, binding = BINDING_ALBEDO_SUMS) buffer pixel_albedo_sums { uvec4 albedo_sums[]; };   // w: NDF length
 layout(std430, binding = BINDING_BEHIND_SUMS) buffer pixel_behind_sums { int behind_sums[]; };     // m behind the nearest
 
+const uint kFarthest = 0x7f800000u;   // depth where nothing was hit: +infinity
 const float kFixedOne = 65536.0;
 const float kLeastWeight = 1.0 / 256.0;
 
@@ -21,4 +22,10 @@ void add_to_surface(uint pixel, float weight, vec3 normal, vec3 albedo, float nd
     atomicAdd(albedo_sums[pixel].z, a.z);
     atomicAdd(albedo_sums[pixel].w, a.w);
     atomicAdd(behind_sums[pixel], int(round(behind * w)));
+}
+
+void clear_surface(uint pixel) {
+    normal_sums[pixel] = ivec4(0);
+    albedo_sums[pixel] = uvec4(0u);
+    behind_sums[pixel] = 0;
 }

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <span>
+#include <utility>
 
 #include "octree/pack.h"
 
@@ -13,6 +15,7 @@ namespace {
 
 constexpr std::size_t kSurveyPoints = 60000;        // enough to tell a wall from an opening
 constexpr int kAzimuths = 36;                       // of 10° each
+constexpr int kElevations = 5;                      // patches one above the other, of 8° each
 constexpr double kLowest = -0.35, kHighest = 0.35;  // rad: the band of elevations a walker looks in
 constexpr float kLampIntensity = 4.0f;              // W·sr⁻¹: 1 W·m⁻² at 2 m
 
@@ -42,25 +45,33 @@ Survey survey_of(const OctreeView& octree) {
     return survey;
 }
 
-/// How far one sees from a place in each direction of a walker's horizon, m: the tenth part of the
-/// points nearest to the eye is passed over, so that dust does not close a passage.
+/// How far one sees from a place in each direction of a walker's horizon, m: of the nearest points
+/// in each patch of the view, the median over a direction's patches. Walls farther on, which the
+/// nearest hide, do not count. 0 where a direction has no walls: a hole in the scan.
 std::array<double, kAzimuths> free_distances(const Survey& survey, const Vec3d& eye) {
-    std::array<std::vector<double>, kAzimuths> ranges;
+    constexpr double kNothing = std::numeric_limits<double>::infinity();
+    std::array<std::array<double, kElevations>, kAzimuths> nearest;
+    for (auto& patches : nearest)
+        patches.fill(kNothing);
     for (const Vec3d& point : survey.points) {
         const Vec3d d = point - eye;
         const double range = length(d);
         if (range < 0.05) continue;
         const double elevation = std::asin(std::clamp(d.z / range, -1.0, 1.0));
-        if (elevation < kLowest || elevation > kHighest) continue;
+        const double height = (elevation - kLowest) / (kHighest - kLowest) * kElevations;
+        if (height < 0.0 || height >= kElevations) continue;
         const double turn = (std::atan2(d.y, d.x) / (2.0 * std::numbers::pi) + 1.0) * kAzimuths;
-        ranges[static_cast<std::size_t>(turn) % kAzimuths].push_back(range);
+        double& patch =
+            nearest[static_cast<std::size_t>(turn) % kAzimuths][static_cast<std::size_t>(height)];
+        patch = std::min(patch, range);
     }
     std::array<double, kAzimuths> free{};
-    for (std::size_t i = 0; i < free.size(); ++i) {
-        if (ranges[i].empty()) continue;  // no wall seen: a hole in the scan, nothing to look at
-        const auto tenth = ranges[i].begin() + static_cast<std::ptrdiff_t>(ranges[i].size() / 10);
-        std::nth_element(ranges[i].begin(), tenth, ranges[i].end());
-        free[i] = *tenth;
+    for (std::size_t i = 0; i < kAzimuths; ++i) {
+        auto& patches = nearest[i];
+        std::sort(patches.begin(), patches.end());
+        const auto seen = std::count_if(patches.begin(), patches.end(),
+                                        [](double range) { return range < kNothing; });
+        if (seen > 0) free[i] = patches[static_cast<std::size_t>(seen / 2)];
     }
     return free;
 }
@@ -85,23 +96,59 @@ Lookout lookout_from(const Survey& survey, const Vec3d& eye) {
     return best;
 }
 
-/// Places inside the cave for clouds whose stations are unknown: off a wall, halfway to the other.
-std::vector<Vec3d> places_between_walls(const Survey& survey) {
-    constexpr std::size_t kPlaces = 5;
-    std::vector<Vec3d> places;
-    const std::size_t step = std::max<std::size_t>(1, survey.points.size() / kPlaces);
-    for (std::size_t i = step / 2; i < survey.points.size(); i += step) {
-        const Vec3d& wall = survey.points[i];
-        const Vec3d& normal = survey.normals[i];
-        double across = std::numeric_limits<double>::infinity();
-        for (const Vec3d& point : survey.points) {
-            const double ahead = dot(point - wall, normal);
-            const double beside = length(point - wall - normal * ahead);
-            if (ahead > 0.3 && beside < 0.15 * ahead) across = std::min(across, ahead);
-        }
-        if (std::isfinite(across)) places.push_back(wall + normal * (across / 2.0));
+/// How much of the view round a place is walls close by (within three times the nearest), 0..1: in
+/// a passage most of it, in the rock between two passages little.
+double enclosure_at(const Survey& survey, const Vec3d& place) {
+    constexpr int kColumns = 24, kRows = 12;  // patches of equal solid angle
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Vec3d& point : survey.points)
+        nearest = std::min(nearest, length(point - place));
+    std::array<bool, kColumns * kRows> walled{};
+    for (const Vec3d& point : survey.points) {
+        const Vec3d d = point - place;
+        const double range = length(d);
+        if (range > 3.0 * nearest || range <= 0.0) continue;
+        const double turn = (std::atan2(d.y, d.x) / (2.0 * std::numbers::pi) + 1.0) * kColumns;
+        const double height = std::min((d.z / range + 1.0) / 2.0 * kRows, kRows - 0.5);
+        walled[static_cast<std::size_t>(turn) % kColumns +
+               static_cast<std::size_t>(height) * kColumns] = true;
     }
-    return places;
+    return static_cast<double>(std::count(walled.begin(), walled.end(), true)) / walled.size();
+}
+
+/// From a wall straight to the one opposite, m; infinite where there is none.
+double distance_across(const Survey& survey, const Vec3d& wall, const Vec3d& direction) {
+    double across = std::numeric_limits<double>::infinity();
+    for (const Vec3d& point : survey.points) {
+        const double ahead = dot(point - wall, direction);
+        const double beside = length(point - wall - direction * ahead);
+        if (ahead > 0.3 && beside < 0.15 * ahead) across = std::min(across, ahead);
+    }
+    return across;
+}
+
+/// Places inside the cave for clouds whose stations are unknown: halfway from a wall to the one
+/// opposite, on either side as the normals of such clouds may be turned. The most enclosed few.
+std::vector<Vec3d> places_between_walls(const Survey& survey) {
+    constexpr std::size_t kTried = 16, kKept = 4;
+    std::vector<std::pair<double, Vec3d>> places;
+    const std::size_t step = std::max<std::size_t>(1, survey.points.size() / kTried);
+    for (std::size_t i = step / 2; i < survey.points.size(); i += step) {
+        for (const double side : {1.0, -1.0}) {
+            const Vec3d direction = survey.normals[i] * side;
+            const double across = distance_across(survey, survey.points[i], direction);
+            if (!std::isfinite(across)) continue;
+            const Vec3d place = survey.points[i] + direction * (across / 2.0);
+            places.emplace_back(enclosure_at(survey, place), place);
+        }
+    }
+    std::stable_sort(places.begin(), places.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::vector<Vec3d> kept;
+    for (std::size_t i = 0; i < std::min(kKept, places.size()); ++i) {
+        kept.push_back(places[i].second);
+    }
+    return kept;
 }
 
 /// Where to stand: at a station that saw the cave from itself, else between two walls.

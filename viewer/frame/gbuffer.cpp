@@ -78,6 +78,7 @@ void GBuffer::resize(std::size_t pixels) {
     pixels_ = pixels;
     depths_ = Buffer("pixel depths", pixels * sizeof(float));
     depths_.write(std::vector<float>(pixels, std::numeric_limits<float>::infinity()));
+    rims_ = Buffer("pixel rims", pixels * sizeof(float));
     normal_sums_ = Buffer("normal sums", pixels * 4 * sizeof(std::int32_t));
     albedo_sums_ = Buffer("albedo sums", pixels * 4 * sizeof(std::uint32_t));
     behind_sums_ = Buffer("behind sums", pixels * sizeof(std::int32_t));
@@ -104,6 +105,7 @@ void GBuffer::draw(const OctreeView& octree, const SurfelPages& cloud,
     chunks_.bind_storage(BINDING_DRAWN_CHUNKS);
     batches_.bind_storage(BINDING_SPLAT_BATCHES);
     depths_.bind_storage(BINDING_DEPTHS);
+    rims_.bind_storage(BINDING_RIMS);
     normal_sums_.bind_storage(BINDING_NORMAL_SUMS);
     albedo_sums_.bind_storage(BINDING_ALBEDO_SUMS);
     behind_sums_.bind_storage(BINDING_BEHIND_SUMS);
@@ -117,6 +119,12 @@ void GBuffer::draw(const OctreeView& octree, const SurfelPages& cloud,
     };
     timed(timer, "splat depth", [&] { splat(depth_); });
     timed(timer, "splat blend", [&] { splat(blend_); });
+    timed(timer, "rims", [&] {
+        find_rims_.dispatch(pixels_, 128);
+        splat(depth_behind_);
+        open_rims_.dispatch(pixels_, 128);
+        splat(blend_behind_);
+    });
     timed(timer, "resolve", [&] { resolve_.dispatch(pixels_, 128); });
 }
 

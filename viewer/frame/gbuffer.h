@@ -12,8 +12,10 @@
 namespace glowworm {
 
 /// The visible surface at every pixel, from discs rasterised by compute: 32-bit atomics find the
-/// nearest disc, then all discs within a radius of it are averaged. Sums are integers, so the same
-/// cloud and view give the same bits. Pixels lie row by row, the top one first.
+/// nearest disc, then all discs within a radius of it are averaged. Discs reach past the edges of
+/// the surface they stand for; where they hardly add up, what lies behind shows instead. Sums are
+/// integers, so the same cloud and view give the same bits. Pixels lie row by row, the top one
+/// first.
 class GBuffer {
   public:
     GBuffer();
@@ -35,9 +37,12 @@ class GBuffer {
     void resize(std::size_t pixels);
 
     Program depth_{{"splat_depth.comp"}}, blend_{{"splat_blend.comp"}};
+    Program depth_behind_{{"splat_depth.comp"}, {"BEHIND_RIMS"}};
+    Program blend_behind_{{"splat_blend.comp"}, {"BEHIND_RIMS"}};
+    Program find_rims_{{"rim_find.comp"}}, open_rims_{{"rim_open.comp"}};
     Program resolve_{{"surface_resolve.comp"}};
     Buffer view_, chunks_, batches_;
-    Buffer depths_, normal_sums_, albedo_sums_, behind_sums_;
+    Buffer depths_, rims_, normal_sums_, albedo_sums_, behind_sums_;
     Buffer surfaces_, albedos_;
     std::size_t pixels_ = 0;
 };
