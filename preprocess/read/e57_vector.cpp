@@ -146,6 +146,7 @@ std::size_t E57Vector::read(std::size_t most, std::vector<std::vector<double>>& 
         }
     }
     const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(ready(), most));
+    if (count == 0) return 0;
     values.resize(streams_.size());
     for (std::size_t i = 0; i < streams_.size(); ++i) {
         values[i].resize(count);
