@@ -268,7 +268,8 @@ void check_ranges(const OctreeView& octree, Sentences& sentences) {
     }
     expect_all(sentences, octree.links.size(), "link", "lead to a lobe that is not there",
                [&](std::size_t i) {
-                   return octree.links[i] != kNoHit && octree.links[i] >= octree.lobes.size();
+                   const std::uint32_t link = octree.links[i];
+                   return link != kNoHit && link != kBuried && link >= octree.lobes.size();
                });
 }
 

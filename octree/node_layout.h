@@ -25,7 +25,7 @@ enum class SectionKind : std::uint32_t {
     kAreaLights = 8,   ///< AreaLightRecord
     kNames = 9,        ///< UTF-8 text that stations and lights point into
     kProvenance = 10,  ///< UTF-8 JSON: command, version, inputs
-    kLinks = 11,       ///< optional: uint32 [lobes][links per lobe], hit lobe or kNoHit
+    kLinks = 11,       ///< optional: uint32 [lobes][links per lobe], hit lobe, kNoHit or kBuried
 };
 
 struct SectionEntry {
@@ -99,7 +99,10 @@ struct Lobe {
 };
 static_assert(sizeof(Lobe) == 64);
 
+/// A ray that meets nothing, and one that ran into a surface from behind: it began inside or slipped
+/// through, so it says nothing about the light.
 inline constexpr std::uint32_t kNoHit = 0xffffffffu;
+inline constexpr std::uint32_t kBuried = 0xfffffffeu;
 
 inline constexpr std::uint32_t kMaxChunkSurfels = 65536;
 

@@ -15,7 +15,7 @@ namespace glowworm {
 struct TraceSettings {
     /// How far a piece of plane reaches past its outermost samples, in sample spacings, 0..1.
     /// Larger narrows passages (silhouettes grow), smaller lets light through between leaves.
-    float patch_margin = 0.1f;
+    float patch_margin = 0.2f;
     /// How far from its leaf's centre a piece of plane may be hit, per axis in leaf edges, ≥ 0.5.
     float reach = 0.75f;
 };
@@ -28,10 +28,6 @@ struct Ray {
     float t_min = 0.0f;  ///< m: not met nearer is the surface it leaves
     float t_max = std::numeric_limits<float>::max();  ///< m
 };
-
-/// What a ray meets that ran into a surface from behind: it began inside or slipped through, so it
-/// says nothing about the light.
-inline constexpr std::uint32_t kBuried = 0xfffffffeu;
 
 /// What light gathered along a ray comes from.
 struct TraceHit {

@@ -89,13 +89,14 @@ std::string ShaderSource::explain(const std::string& log) const {
 }
 
 std::filesystem::path shader_folder() {
-    std::vector<std::filesystem::path> tried;
-    if (const char* named = std::getenv("GLOWWORM_SHADERS"); named != nullptr && *named != '\0') {
-        tried = {named};
-    } else {
-        tried = {program_folder() / "shaders", GLOWWORM_SHADER_FOLDER};
-    }
     std::error_code ignored;
+    if (const char* named = std::getenv("GLOWWORM_SHADERS"); named != nullptr && *named != '\0') {
+        if (std::filesystem::is_directory(named, ignored)) return named;
+        throw Error(ExitCode::kUsage,
+                    fmt::format("GLOWWORM_SHADERS names '{}', which is no folder", named));
+    }
+    const std::vector<std::filesystem::path> tried = {program_folder() / "shaders",
+                                                      GLOWWORM_SHADER_FOLDER};
     for (const auto& folder : tried) {
         // A build folder has a `shaders` of its own, without shaders.
         if (std::filesystem::exists(folder / "gpu_layout.h", ignored)) return folder;
