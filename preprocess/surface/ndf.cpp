@@ -4,15 +4,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 namespace glowworm {
 namespace {
-
-/// Points of a footprint beside the point itself.
-constexpr std::size_t kFootprint = 8;
 
 /// Neighbours share most of their points, so their normals err alike. Of the variance of a normal's
 /// error this share is spread within a footprint (measured on flat ground, bench/surface).
@@ -66,8 +62,7 @@ std::vector<float> estimate_ndf_lengths(const SurfacePoints& points, const Neigh
                 Vec3f sum = plane.normal * plane.area;
                 float weight = plane.area;
                 float error2 = plane.error_per_noise * plane.error_per_noise * plane.area;
-                const auto row = table.of(i);
-                for (const std::uint32_t j : row.first(std::min(row.size(), kFootprint))) {
+                for (const std::uint32_t j : table.of(i)) {
                     const LocalPlane& other = planes[j];
                     if (!(other.area > 0.0f) || dot(plane.normal, other.normal) < kFacesAway)
                         continue;

@@ -32,8 +32,8 @@ float ggx_alpha_of(float ndf_length);
 float mean_normal_length(std::span<const Vec3f> normals, std::span<const float> areas);
 
 /// NDF lengths ([n], (0, 1]) of every point: the spread of the normals over its footprint (itself
-/// and the nearest of `table`), without what the range noise makes of it. Neighbours that face away
-/// are of another surface. 1 where there is no normal. In parallel.
+/// and its neighbours of `table`), without what the range noise makes of it. Neighbours that face
+/// away are of another surface. 1 where there is no normal. In parallel.
 std::vector<float> estimate_ndf_lengths(const SurfacePoints& points, const NeighbourTable& table,
                                         const std::vector<LocalPlane>& planes, float range_noise);
 

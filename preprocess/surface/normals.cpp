@@ -129,30 +129,30 @@ class LeafFit {
     /// relative to the point.
     PlaneFit fit_side(std::size_t i, std::span<const std::uint32_t> neighbours) {
         const Vec3f origin = points_.tree.position(i);
-        const bool viewed = points_.is_viewed(i);
         const std::uint32_t station = points_.station(i);
-        Moments own, all;
-        own.add({});
+        Moments all;
         all.add({});
         offsets_.clear();
-        std::size_t others = 0;
         for (const std::uint32_t j : neighbours) {
-            const Vec3d offset = vec3_cast<double>(points_.tree.position(j) - origin);
-            all.add(offset);
-            if (!viewed) continue;
-            offsets_.push_back(offset);
-            if (points_.station(j) == station) {
-                own.add(offset);
-            } else {
-                ++others;
-            }
+            offsets_.push_back(vec3_cast<double>(points_.tree.position(j) - origin));
+            all.add(offsets_.back());
         }
-        if (others == 0) return fit_plane(all);
+        const auto others = static_cast<std::size_t>(std::ranges::count_if(
+            neighbours, [&](std::uint32_t j) { return points_.station(j) != station; }));
+        if (others == 0 || !points_.is_viewed(i)) return fit_plane(all);
 
         // What the own station saw is on one side; the others' points join if seen from there too.
         const bool enough = neighbours.size() - others >= kOwnStationEnough;
-        PlaneFit side = fit_plane(enough ? own : all);
-        if (enough && !side.is_planar()) side = fit_plane(all);
+        PlaneFit side = fit_plane(all);
+        if (enough) {
+            Moments own;
+            own.add({});
+            for (std::size_t m = 0; m < neighbours.size(); ++m) {
+                if (points_.station(neighbours[m]) == station) own.add(offsets_[m]);
+            }
+            const PlaneFit alone = fit_plane(own);
+            if (alone.is_planar()) side = alone;
+        }
         const Vec3d view = vec3_cast<double>(points_.toward_station(i));
         const Vec3d normal = dot(side.normal, view) < 0.0 ? -side.normal : side.normal;
         Moments front;

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "octree/error.h"
 #include "preprocess/surface/free_side.h"
 #include "preprocess/surface/parity_forest.h"
 
@@ -17,8 +18,8 @@ namespace {
 /// off by a few degrees.
 constexpr float kFlatView = 0.15f;
 
-/// Neighbours of a point that the spanning tree looks at.
-constexpr std::size_t kTreeNeighbours = 8;
+/// Edges of the spanning tree are packed: a point in the upper bits, a column of the table below.
+constexpr std::uint32_t kColumnBits = 4;
 
 /// Points of a component that vote on its free side.
 constexpr std::size_t kVoters = 512;
@@ -81,6 +82,12 @@ std::size_t face_stations(const SurfacePoints& points, const NeighbourTable& tab
 ParityForest spanning_forest(const SurfacePoints& points, const NeighbourTable& table,
                              const std::vector<LocalPlane>& planes) {
     const std::size_t n = points.size();
+    if (n >> (32 - kColumnBits) != 0 || table.count > 1 << kColumnBits) {
+        throw Error(
+            ExitCode::kBudget,
+            "More than 268 million points cannot be oriented at once without stations; thin "
+            "the cloud or split it.");
+    }
     const auto weight = [&](std::size_t i, std::size_t j) {
         const float c = std::abs(dot(planes[i].normal, planes[j].normal));
         return static_cast<std::size_t>(std::clamp((1.0f - c) * 255.0f, 0.0f, 255.0f));
@@ -89,8 +96,11 @@ ParityForest spanning_forest(const SurfacePoints& points, const NeighbourTable& 
         for (std::size_t i = 0; i < n; ++i) {
             if (!has_normal(planes[i])) continue;
             const auto row = table.of(i);
-            for (std::size_t c = 0; c < std::min(row.size(), kTreeNeighbours); ++c) {
-                if (has_normal(planes[row[c]])) visit(i, c, weight(i, row[c]));
+            for (std::size_t c = 0; c < row.size(); ++c) {
+                const std::size_t j = row[c];
+                // Of two that are each other's neighbours the first has the edge.
+                if (j < i && std::ranges::find(table.of(j), i) != table.of(j).end()) continue;
+                if (has_normal(planes[j])) visit(i, c, weight(i, j));
             }
         }
     };
@@ -98,15 +108,15 @@ ParityForest spanning_forest(const SurfacePoints& points, const NeighbourTable& 
     for_each_edge([&](std::size_t, std::size_t, std::size_t w) { ++begin[w + 1]; });
     for (std::size_t w = 0; w < 256; ++w)
         begin[w + 1] += begin[w];
-    std::vector<std::uint64_t> edges(begin[256]);
+    std::vector<std::uint32_t> edges(begin[256]);
     for_each_edge([&](std::size_t i, std::size_t c, std::size_t w) {
-        edges[begin[w]++] = std::uint64_t{i} << 8 | c;
+        edges[begin[w]++] = static_cast<std::uint32_t>(i << kColumnBits | c);
     });
 
     ParityForest forest(n);
-    for (const std::uint64_t edge : edges) {
-        const auto i = static_cast<std::uint32_t>(edge >> 8);
-        const std::uint32_t j = table.of(i)[edge & 0xff];
+    for (const std::uint32_t edge : edges) {
+        const std::uint32_t i = edge >> kColumnBits;
+        const std::uint32_t j = table.of(i)[edge & ((1u << kColumnBits) - 1)];
         forest.join(i, j, dot(planes[i].normal, planes[j].normal) < 0.0f);
     }
     return forest;
