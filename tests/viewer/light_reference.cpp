@@ -63,7 +63,8 @@ const Node* find_leaf(const OctreeView& octree, int x, int y, int z) {
 }  // namespace
 
 Vec3d direct_irradiance(const OctreeView& octree, const TraceSettings& trace, const Scene& scene,
-                        const Vec3f& position, const Vec3f& normal, float offset) {
+                        const Vec3f& position, const Vec3f& normal, float offset,
+                        int area_samples) {
     Vec3d sum;
     const Vec3d p = vec3_cast<double>(position) + octree.grid.origin;
     const Vec3d n = vec3_cast<double>(normal);
@@ -92,9 +93,9 @@ Vec3d direct_irradiance(const OctreeView& octree, const TraceSettings& trace, co
         const Vec3d v = light.corners[3] - light.corners[0];
         const Vec3d axis = light.normal();
         const ShadowTarget target{vec3_cast<float>(axis), static_cast<std::uint32_t>(i + 1)};
-        for (int k = 0; k < kAreaSamples * kAreaSamples; ++k) {
-            const Vec3d at = light.corners[0] + u * ((k % kAreaSamples + 0.5) / kAreaSamples) +
-                             v * ((k / kAreaSamples + 0.5) / kAreaSamples);
+        for (int k = 0; k < area_samples * area_samples; ++k) {
+            const Vec3d at = light.corners[0] + u * ((k % area_samples + 0.5) / area_samples) +
+                             v * ((k / area_samples + 0.5) / area_samples);
             const Vec3d way = at - p;
             const double squared = dot(way, way);
             const double cosines = -dot(n, way) * dot(axis, way) / squared;
@@ -102,7 +103,7 @@ Vec3d direct_irradiance(const OctreeView& octree, const TraceSettings& trace, co
             const Vec3f to = vec3_cast<float>(at - octree.grid.origin);
             if (!sees(octree, trace, position, normal, offset, to, target)) continue;
             sum += vec3_cast<double>(light.radiance) *
-                   (cosines / squared * length(cross(u, v)) / (kAreaSamples * kAreaSamples));
+                   (cosines / squared * length(cross(u, v)) / (area_samples * area_samples));
         }
     }
     return sum;

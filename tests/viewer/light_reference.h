@@ -13,12 +13,11 @@ namespace glowworm::testing {
 /// The light's formulas once more, on the CPU in plain loops and double precision: what the GPU's
 /// passes are held against. Positions are relative to the octree's origin.
 
-/// How many points of an area light's rectangle along each side are sampled.
-inline constexpr int kAreaSamples = 16;
-
-/// Irradiance straight from the lights, W·m⁻². Shadow rays start `offset` metres off the surface.
+/// Irradiance straight from the lights, W·m⁻². Shadow rays start `offset` metres off the surface;
+/// an area light's rectangle is sampled at `area_samples` points along each edge.
 Vec3d direct_irradiance(const OctreeView& octree, const TraceSettings& trace, const Scene& scene,
-                        const Vec3f& position, const Vec3f& normal, float offset);
+                        const Vec3f& position, const Vec3f& normal, float offset,
+                        int area_samples = 16);
 
 /// [lobes] indirect irradiance after `bounces` products from nothing, W·m⁻².
 std::vector<Vec3d> bounce(const OctreeView& octree, std::span<const std::uint32_t> links,
