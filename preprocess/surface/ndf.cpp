@@ -10,9 +10,10 @@
 namespace glowworm {
 namespace {
 
-/// Neighbours share most of their points, so their normals err alike. Of the variance of a normal's
-/// error this share is spread within a footprint (measured on flat ground, bench/surface).
-constexpr float kSpreadOfError = 0.25f;
+/// Neighbours share many of their points, so their normals err alike. Of the variance of a normal's
+/// error this share shows as spread over a footprint of 13: 0.72 was measured on flat ground for
+/// planes of 16 points, 0.61 for 30. The lesser is taken, so that roughness is not removed with it.
+constexpr float kSpreadOfError = 0.6f;
 
 /// Cosine between normals beyond which two neighbours are not of one surface.
 constexpr float kFacesAway = -0.5f;
