@@ -3,12 +3,16 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
+#include <iostream>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <sstream>
 
 #include "analytic_cave.h"
 #include "octree/build.h"
+#include "octree/coarsen.h"
 #include "octree/octree_file.h"
 #include "program.h"
 #include "testing.h"
@@ -90,6 +94,81 @@ TEST(ViewProgram, SaysWhatItDidAsJson) {
     EXPECT_EQ(text_of(cave.path("a.png")).substr(1, 3), "PNG");
 }
 
+double mean_red(const std::filesystem::path& exr) {
+    const std::vector<float> red = read_exr(exr).channels.at("R");
+    return std::accumulate(red.begin(), red.end(), 0.0) / static_cast<double>(red.size());
+}
+
+TEST(ViewProgram, GathersLightRoundTheBendByConesAboutAsBrightAsAlongLinks) {
+    const Cave cave;
+    const auto round_the_bend = [&](const std::string& name, std::vector<std::string> more) {
+        std::vector<std::string> arguments{"--camera", "dark", "--bounces",    "6",
+                                           "--json",   "-o",   cave.path(name)};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const Ended run = cave.view(arguments);
+        EXPECT_EQ(run.code, 0) << run.err;
+        const auto json = nlohmann::json::parse(run.out);
+        EXPECT_EQ(json.contains("cones"), !more.empty());
+        EXPECT_EQ(json.contains("links"), more.empty());
+        return mean_red(cave.path(name));
+    };
+    const double links = round_the_bend("links.exr", {});
+    const double few = round_the_bend("few.exr", {"--cones", "6"});
+    const double many = round_the_bend("many.exr", {"--cones", "16"});
+    const double faithful = round_the_bend("faithful.exr", {"--faithful"});
+    std::cout << "mean radiance round the bend: links " << links << ", 6 cones " << few
+              << ", 16 cones " << many << ", faithful " << faithful << "\n";
+    // Six wide cones see past the edge of the bend: 2.8 times the light where it is this dark.
+    EXPECT_GT(few, links / 2);
+    EXPECT_LT(few, links * 4);
+    EXPECT_GT(many, links / 2);
+    EXPECT_LT(many, links * 2);
+    EXPECT_NE(few, many);
+    EXPECT_GT(faithful, 0.0);
+    EXPECT_NE(faithful, few);
+}
+
+TEST(ViewProgram, SimulatesLightOnCoarserLeavesButDrawsTheSamePoints) {
+    const Cave cave;
+    const Ended fine = cave.view({"--camera", "lit", "--bounces", "2", "--light-depth", "5",
+                                  "--json", "-o", cave.path("fine.exr")});
+    const Ended coarse = cave.view({"--camera", "lit", "--bounces", "2", "--light-depth", "4",
+                                    "--json", "-o", cave.path("coarse.exr")});
+    ASSERT_EQ(fine.code, 0) << fine.err;
+    ASSERT_EQ(coarse.code, 0) << coarse.err;
+    EXPECT_EQ(nlohmann::json::parse(fine.out)["light_depth"], 5);
+    EXPECT_EQ(nlohmann::json::parse(coarse.out)["light_depth"], 4);
+    const ExrChannels a = read_exr(cave.path("fine.exr")), b = read_exr(cave.path("coarse.exr"));
+    EXPECT_EQ(a.channels.at("Z"), b.channels.at("Z"));
+    EXPECT_EQ(a.channels.at("albedo.R"), b.channels.at("albedo.R"));
+    EXPECT_NE(a.channels.at("indirect.R"), b.channels.at("indirect.R"));
+    const double ratio = mean_red(cave.path("coarse.exr")) / mean_red(cave.path("fine.exr"));
+    std::cout << "radiance at depth 4 over depth 5: " << ratio << "\n";
+    EXPECT_NEAR(ratio, 1.0, 0.1);
+}
+
+TEST(ViewProgram, RefusesAnOctreeWhoseIndicesLeadOutside) {
+    const Cave cave;
+    const OctreeFile sound = OctreeFile::open(cave.octree);
+    const auto refused = [&](const char* what, const auto& spoil) {
+        Octree octree = coarsen(sound.view(), sound.view().grid.depth);
+        octree.chunks.assign(sound.view().chunks.begin(), sound.view().chunks.end());
+        octree.surfels.assign(sound.view().surfels.begin(), sound.view().surfels.end());
+        spoil(octree);
+        const std::string path = cave.path("hostile.svo");
+        write_octree_file(octree.view(), path);
+        const Ended run = glowworm_view({path, "--headless", "-o", cave.path("hostile.exr")});
+        EXPECT_EQ(run.code, 3) << what << ": " << run.err;
+        EXPECT_THAT(run.err, HasSubstr("is damaged")) << what;
+        EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << what;
+        EXPECT_FALSE(std::filesystem::exists(cave.path("hostile.exr"))) << what;
+    };
+    refused("a child", [](Octree& octree) { octree.nodes[0].first = 0x7fffffff; });
+    refused("a leaf's lobes", [](Octree& octree) { octree.nodes.back().first = 0x7fffffff; });
+    refused("a chunk", [](Octree& octree) { octree.chunks.back().first = 0x7fffffff; });
+    refused("a lobe's light", [](Octree& octree) { octree.lobes[0].light = 7; });
+}
+
 TEST(ViewProgram, MeasuresProbesAndComparesThemWithTheTruthTheyBring) {
     const Cave cave;
     // Right under the lamp: E = I / d^2 = 3 / 0.25.
@@ -148,6 +227,10 @@ TEST(ViewProgram, EndsWithTheRightCodeAndOneSentenceWhereItCannotGoOn) {
         {{cave.octree, "--headless", "-o", frame, "--size", "0x9"}, 2, "--size"},
         {{cave.octree, "--headless", "-o", frame, "--bounces", "-1"}, 2, "--bounces"},
         {{cave.octree, "--headless", "-o", frame, "--exposure", "1"}, 2, "for PNG"},
+        {{cave.octree, "--headless", "-o", frame, "--cones", "7"}, 2, "--cones"},
+        {{cave.octree, "--headless", "-o", frame, "--cones", "9", "--faithful"}, 2, "--faithful"},
+        {{cave.octree, "--headless", "-o", frame, "--light-depth", "6"}, 2, "which is 5"},
+        {{cave.octree, "--headless", "-o", frame, "--light-depth", "0"}, 2, "--light-depth"},
         {{cave.octree, "--nonsense"}, 2, "--nonsense"},
         {{cave.octree, "-o", frame}, 2, "--headless"},
         {{cave.octree, "--headless", "--scene", cave.scene, "--camera", "x", "-o", frame},

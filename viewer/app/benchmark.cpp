@@ -20,10 +20,10 @@ Json spread_of(const std::vector<PassTimer::Sample>& samples, double PassTimer::
 
 }  // namespace
 
-Json run_benchmark(const Context& context, const OctreeView& octree, LightField& light,
-                   const Start& start, const Options& options) {
+Json run_benchmark(const Context& context, const Cave& cave, LightField& light, const Start& start,
+                   const Options& options) {
     const View view = view_of(sized_camera(start.camera, options));
-    Frame frame(context, octree, options.frame);
+    Frame frame(context, cave.points(), options.frame);
     frame.set_panels(start.scene.area_lights);
     Display display;
     const Texture shown("shown", GL_RGBA8, view.width, view.height);
@@ -38,6 +38,7 @@ Json run_benchmark(const Context& context, const OctreeView& octree, LightField&
                          options.display.curve);
         });
     };
+    cave.file.require_intact();
     draw(warm_up);
     for (int i = 0; i < options.frames.value_or(1); ++i)
         draw(timer);
@@ -51,9 +52,9 @@ Json run_benchmark(const Context& context, const OctreeView& octree, LightField&
                      {"width", view.width},
                      {"height", view.height},
                      {"frames", options.frames.value_or(1)},
-                     {"points", octree.surfels.size()},
+                     {"points", cave.points().surfels.size()},
                      {"points_drawn", frame.surfels_drawn()},
-                     {"lobes", octree.lobes.size()},
+                     {"lobes", cave.light().lobes.size()},
                      {"passes", passes}};
     write_whole(options.stats, stats.dump(2) + "\n");
     return stats;

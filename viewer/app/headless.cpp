@@ -16,6 +16,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// How light is gathered, and on what.
+Json method_of(const Cave& cave, const Options& options) {
+    Json method{{"light_depth", cave.light().grid.depth}};
+    if (options.light.gather == Gather::kLinks) {
+        method["links"] = options.light.links;
+    } else {
+        method["cones"] = options.light.cones;
+        method["faithful"] = options.light.faithful;
+    }
+    return method;
+}
+
 /// Reflects the light as often as the options say.
 Json propagate(LightField& light, const Options& options, Console& console) {
     if (options.bounces == 0) return {{"bounces", 0}};
@@ -58,13 +70,14 @@ Json measure_probes(const LightField& light, const Options& options, Console& co
     return result;
 }
 
-Json render_frame(const Context& context, const OctreeView& octree, const LightField& light,
+Json render_frame(const Context& context, const Cave& cave, const LightField& light,
                   const Start& start, const Options& options, Console& console) {
     const Camera camera = sized_camera(start.camera, options);
     const View view = view_of(camera);
-    Frame frame(context, octree, options.frame);
+    Frame frame(context, cave.points(), options.frame);
     frame.set_panels(start.scene.area_lights);
     const FrameLayers layers = frame.render(view, light, console.phase("frame", "pixels"));
+    cave.file.require_intact();
 
     Json result{{"camera", camera.name}, {"width", camera.width}, {"height", camera.height}};
     const double stops = write_frame(layers, view, options.display, options.output);
@@ -77,26 +90,27 @@ Json render_frame(const Context& context, const OctreeView& octree, const LightF
 
 }  // namespace
 
-Json run_headless(const Options& options, const OctreeFile& file, Console& console) {
+Json run_headless(const Options& options, const Cave& cave, Console& console) {
     const std::filesystem::path& output = options.stats.empty() ? options.output : options.stats;
     require_writable_output(output, options.force);
-    const OctreeView& octree = file.view();
-    const Start start = start_of(octree, options.scene, options.camera);
+    const Start start = start_of(cave.points(), options.scene, options.camera);
 
     console.phase("upload", "");
     const Context context = Context::headless();
     spdlog::debug("drawing on {}, OpenGL {}", context.device().renderer, context.device().version);
-    LightField light(context, octree, start.scene, options.light);
+    LightField light(context, cave.light(), start.scene, options.light);
+    cave.file.require_intact();
 
     Json result{{"output", output.string()}, {"renderer", context.device().renderer}};
+    result.update(method_of(cave, options));
     result.update(propagate(light, options, console));
     if (!options.stats.empty()) {
         console.phase("benchmark", "frames");
-        result.update(run_benchmark(context, octree, light, start, options));
+        result.update(run_benchmark(context, cave, light, start, options));
     } else if (!options.probes.empty()) {
         result.update(measure_probes(light, options, console));
     } else {
-        result.update(render_frame(context, octree, light, start, options, console));
+        result.update(render_frame(context, cave, light, start, options, console));
     }
     for (const std::string& error : context.errors())
         spdlog::warn("OpenGL: {}", error);

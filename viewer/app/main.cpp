@@ -24,14 +24,14 @@ int run(int argc, char** argv) {
         static_cast<std::size_t>(options->threads > 0 ? options->threads
                                                       : tbb::info::default_concurrency()));
 
-    const OctreeFile file = OctreeFile::open(options->octree);
+    const Cave cave = open_cave(options->octree, options->light_depth);
     if (!options->headless) {
-        run_window(*options, file);
+        run_window(*options, cave);
         return static_cast<int>(ExitCode::kDone);
     }
     Console console(Console::mode_of(
         options->quiet && options->progress == "auto" ? "none" : options->progress));
-    const nlohmann::ordered_json result = run_headless(*options, file, console);
+    const nlohmann::ordered_json result = run_headless(*options, cave, console);
     console.end_phase();
     if (options->json) fmt::print("{}\n", result.dump(2));
     spdlog::info("wrote {}", (options->stats.empty() ? options->output : options->stats).string());

@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "octree/error.h"
+#include "octree/node_layout.h"
 
 namespace glowworm {
 namespace {
@@ -81,6 +82,7 @@ std::optional<Options> read_options(int argc, char** argv) {
     std::string size, tonemap = kToneCurveNames[static_cast<int>(options.display.curve)];
     std::string interpolation = "tricubic";
     int bounces = 0;
+    std::uint32_t light_depth = 0;
     double exposure = 0.0;
     bool converge = false;
 
@@ -111,6 +113,18 @@ std::optional<Options> read_options(int argc, char** argv) {
     app.add_flag("--converge", converge,
                  "reflect until the light settles; so it is without --bounces")
         ->excludes(bounces_option);
+    auto* faithful_option =
+        app.add_flag("--faithful", options.light.faithful,
+                     "gather light as the 2016 paper did: its six cones, without our improvements");
+    auto* cones_option = app.add_option("--cones", options.light.cones,
+                                        "gather light by this many cones per lobe (4, 5, 6, 9, 10 "
+                                        "or 16) instead of along traced links")
+                             ->check(CLI::IsMember({4, 5, 6, 9, 10, 16}))
+                             ->excludes(faithful_option);
+    auto* light_depth_option = app.add_option("--light-depth", light_depth,
+                                              "simulate light on leaves at this level, at most the "
+                                              "file's depth")
+                                   ->check(CLI::Range(1u, kMaxDepth));
     app.add_option("--interpolation", interpolation, "between leaves: trilinear or tricubic")
         ->check(CLI::IsMember({"trilinear", "tricubic"}));
     app.add_option("--samples", options.frame.samples,
@@ -148,6 +162,10 @@ std::optional<Options> read_options(int argc, char** argv) {
     if (!size.empty()) options.size = size_of(size);
     if (bounces_option->count() > 0) options.bounces = bounces;
     if (exposure_option->count() > 0) options.display.exposure = exposure;
+    if (light_depth_option->count() > 0) options.light_depth = light_depth;
+    if (cones_option->count() > 0 || options.light.faithful) {
+        options.light.gather = Gather::kCones;
+    }
     options.light.tricubic = interpolation == "tricubic";
     for (std::uint32_t i = 0; i < std::size(kToneCurveNames); ++i) {
         if (tonemap == kToneCurveNames[i]) options.display.curve = static_cast<ToneCurve>(i);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -28,6 +29,7 @@ struct Options {
     bool headless = false;
 
     LightSettings light;
+    std::optional<std::uint32_t> light_depth;  ///< empty: the file's
     FrameSettings frame;
     DisplaySettings display;
 

@@ -84,17 +84,18 @@ PanelState panel_state_of(const Options& options, Scene& scene) {
 
 class Session {
   public:
-    Session(const Options& options, const OctreeFile& file)
+    Session(const Options& options, const Cave& cave)
         : options_(options),
-          start_(start_of(file.view(), options.scene, options.camera)),
+          cave_(cave),
+          start_(start_of(cave.points(), options.scene, options.camera)),
           state_(panel_state_of(options, start_.scene)),
           window_("Glowworm - " + options.octree.filename().string(),
                   options.size ? options.size->width : 1280,
                   options.size ? options.size->height : 800),
           context_(Context::of_window()),
           camera_(start_.camera),
-          light_(context_, file.view(), lit_scene(), options.light, options.bounces),
-          frame_(context_, file.view(), options.frame),
+          light_(context_, cave.light(), lit_scene(), options.light, options.bounces),
+          frame_(context_, cave.points(), options.frame),
           listening_((listen(window_.get(), input_), true)),
           panel_(window_.get()) {
         frame_.set_panels(lit_scene().area_lights);
@@ -108,6 +109,7 @@ class Session {
                (!options_.frames || shown_ < *options_.frames)) {
             const double seconds = std::min(now_seconds() - before, 0.25);
             before = now_seconds();
+            cave_.file.require_intact();
             glfwPollEvents();
             take_input(seconds);
             move_headlamp();
@@ -252,6 +254,7 @@ class Session {
 
     const double opened_at_ = now_seconds();
     const Options& options_;
+    const Cave& cave_;
     Start start_;
     PanelState state_;
     Vec3d headlamp_eye_ = start_.camera.position;
@@ -278,8 +281,8 @@ class Session {
 
 }  // namespace
 
-void run_window(const Options& options, const OctreeFile& file) {
-    Session(options, file).run();
+void run_window(const Options& options, const Cave& cave) {
+    Session(options, cave).run();
 }
 
 }  // namespace glowworm

@@ -1,0 +1,34 @@
+#include "viewer/app/cave.h"
+
+#include <fmt/format.h>
+
+#include "octree/check.h"
+#include "octree/coarsen.h"
+#include "octree/error.h"
+
+namespace glowworm {
+
+Cave open_cave(const std::filesystem::path& path, std::optional<std::uint32_t> light_depth) {
+    Cave cave{OctreeFile::open(path), {}};
+    const auto failures = check_structure(cave.points());
+    cave.file.require_intact();
+    if (!failures.empty()) {
+        throw Error(ExitCode::kUnreadable,
+                    fmt::format("'{}' is damaged: {}; `glowworm check` says all that is wrong with "
+                                "it, `glowworm build` makes it anew",
+                                path.string(), failures.front()));
+    }
+    const std::uint32_t depth = cave.points().grid.depth;
+    if (light_depth && *light_depth > depth) {
+        throw Error(ExitCode::kUsage,
+                    fmt::format("--light-depth {} is more than the depth of '{}', which is {}",
+                                *light_depth, path.string(), depth));
+    }
+    if (light_depth && *light_depth < depth) {
+        cave.coarse = coarsen(cave.points(), *light_depth);
+        cave.file.require_intact();
+    }
+    return cave;
+}
+
+}  // namespace glowworm
