@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "octree/build.h"
 #include "octree/cloud_summary.h"
 #include "octree/error.h"
 
@@ -83,6 +84,7 @@ void add_samples(SurfelCloud& cloud, const Rectangle& rectangle, std::uint32_t i
 
 void add_area_lights(SurfelCloud& cloud, std::span<const AreaLight> lights) {
     if (lights.empty()) return;
+    fill_missing_radii(cloud);
     const CloudSummary summary = summarize(cloud.surfels);
     const double spacing = summary.median_radius > 0.0 ? summary.median_spacing() : kTolerance;
     for (const AreaLight& light : lights) {

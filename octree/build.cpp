@@ -135,6 +135,19 @@ Grid fit_grid(const CloudSummary& summary, const Vec3d& origin, const BuildSetti
     return grid;
 }
 
+void fill_missing_radii(SurfelCloud& cloud) {
+    const CloudSummary summary = summarize(cloud.surfels);
+    if (!summary.radius_missing || summary.usable == 0) return;
+    double radius = summary.median_radius;
+    if (radius == 0.0) {
+        const Grid grid = fit_grid(summary, cloud.origin, {});
+        radius = radius_from_spacing(sorted_codes(cloud.surfels, summary, grid), grid);
+    }
+    for (Surfel& surfel : cloud.surfels) {
+        if (is_usable(surfel)) repair(surfel, radius);
+    }
+}
+
 Octree build_octree(const SurfelCloud& cloud, const BuildSettings& settings,
                     const Progress& progress) {
     const std::uint64_t total = cloud.surfels.size();

@@ -34,6 +34,10 @@ struct BuildSettings {
 /// (kUsage) where depth and voxel size do not fit each other or the bounds.
 Grid fit_grid(const CloudSummary& summary, const Vec3d& origin, const BuildSettings& settings);
 
+/// Gives samples without a radius one: the median of those that have it, else from the spacing.
+/// Before samples of another kind join a cloud: afterwards theirs would be taken for the cloud's.
+void fill_missing_radii(SurfelCloud& cloud);
+
 /// Builds the octree: sort by Morton code, splat into leaves, filter up, pack the points. The same
 /// cloud gives the same bytes on any number of threads. Surfels that are not finite are dropped and
 /// counted; a radius that is not positive is replaced by one from the samples' spacing. Throws

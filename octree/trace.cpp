@@ -232,7 +232,7 @@ TraceHit trace_ray(const OctreeView& octree, const TraceSettings& settings, cons
             const float t_min = least_t(ray, normal);
             if (t >= t_min && t < nearest.t && meets(octree, settings, leaf, ray, i, t)) {
                 nearest = {i, t};
-                behind = slope > 0.0f;
+                behind = slope > 0.0f && lobe.light == 0;  // a lamp's back is black, not rock
             } else if (slope < 0.0f && candidate.lobe == kNoHit &&
                        dot(offset, ray.direction) > t_min) {
                 candidate = {i, t};

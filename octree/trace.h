@@ -15,7 +15,7 @@ namespace glowworm {
 struct TraceSettings {
     /// How far a piece of plane reaches past its outermost samples, in sample spacings, 0..1.
     /// Larger narrows passages (silhouettes grow), smaller lets light through between leaves.
-    float patch_margin = 0.2f;
+    float patch_margin = 0.1f;
     /// How far from its leaf's centre a piece of plane may be hit, per axis in leaf edges, ≥ 0.5.
     float reach = 0.75f;
 };

@@ -21,8 +21,8 @@ struct Splat {
     double area = 0.0;         ///< m²: of the whole, whatever the disc's radius
 };
 
-/// Most rings of a splat: pieces lie at most half a voxel apart up to discs of this radius, 3.5 to
-/// 4 voxels, and further apart beyond.
+/// Most rings of a splat: pieces lie at most a quarter of a voxel apart up to discs of 1.7 voxels in
+/// radius, and further apart beyond.
 inline constexpr std::uint32_t kMaxSplatRings = 7;
 
 Splat splat_of(const Surfel& surfel, double voxel);

@@ -35,10 +35,12 @@ vec3 irradiance_from_lamp(Light light, vec3 position, vec3 normal, float offset)
     return light.intensity.rgb * (shape * cosine / max(squared, 1e-12));
 }
 
-vec3 irradiance_from_area(Light light, vec3 position, vec3 normal, float offset) {
+// Of its AREA_SAMPLES rows of samples, those from first_row to before last_row.
+vec3 irradiance_from_area(Light light, vec3 position, vec3 normal, float offset, int first_row,
+                          int last_row) {
     float area = length(cross(light.edge_u.xyz, light.edge_v.xyz));
     float sum = 0.0;
-    for (int v = 0; v < AREA_SAMPLES; ++v) {
+    for (int v = first_row; v < last_row; ++v) {
         for (int u = 0; u < AREA_SAMPLES; ++u) {
             vec2 at = (vec2(u, v) + AREA_PHASE) / float(AREA_SAMPLES);
             vec3 point = light.position.xyz + at.x * light.edge_u.xyz + at.y * light.edge_v.xyz;
@@ -54,13 +56,23 @@ vec3 irradiance_from_area(Light light, vec3 position, vec3 normal, float offset)
     return light.intensity.rgb * (sum * area / float(AREA_SAMPLES * AREA_SAMPLES));
 }
 
+// From one light, of an area light the given rows of samples. Passes that may have many lights take
+// one of them a dispatch: llvmpipe ends loops silently after 65535 turns of an invocation, all its
+// loops together, and a shadow ray takes some hundred.
+vec3 direct_irradiance_of(uint light, vec3 position, vec3 normal, float offset, int first_row,
+                          int last_row) {
+    if (lights[light].kind == LIGHT_AREA) {
+        return irradiance_from_area(lights[light], position, normal, offset, first_row, last_row);
+    }
+    return first_row == 0 ? irradiance_from_lamp(lights[light], position, normal, offset)
+                          : vec3(0.0);
+}
+
 // `offset`: how far shadow rays start off the surface, m.
 vec3 direct_irradiance(vec3 position, vec3 normal, float offset) {
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < grid.light_count; ++i) {
-        sum += lights[i].kind == LIGHT_AREA
-                   ? irradiance_from_area(lights[i], position, normal, offset)
-                   : irradiance_from_lamp(lights[i], position, normal, offset);
+        sum += direct_irradiance_of(i, position, normal, offset, 0, AREA_SAMPLES);
     }
     return sum;
 }

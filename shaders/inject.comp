@@ -1,17 +1,19 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Direct light at every lobe.
+// Direct light of one light at every lobe, added to what is there.
 #include "direct_light.glsl"
 
 layout(local_size_x = 64) in;
 layout(location = 0) uniform uint first_lobe;
 layout(location = 1) uniform uint last_lobe;
-layout(std430, binding = BINDING_DIRECT) writeonly buffer Direct { vec4 direct_field[]; };
+layout(location = 2) uniform uint light;
+layout(std430, binding = BINDING_DIRECT) buffer Direct { vec4 direct_field[]; };
 
 void main() {
     uint i = first_lobe + (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u +
              gl_LocalInvocationID.x;
     if (i >= last_lobe) return;
     float offset = max(kLeastOffset * grid.voxel_size, kSigmasOff * lobes[i].plane_sigma);
-    direct_field[i] = vec4(direct_irradiance(lobe_position(i), lobe_normal(i), offset), 0.0);
+    direct_field[i].rgb += direct_irradiance_of(light, lobe_position(i), lobe_normal(i), offset, 0,
+                                                AREA_SAMPLES);
 }

@@ -170,7 +170,7 @@ uint trace_ray(vec3 origin, vec3 direction, vec3 from_normal, float t_min, float
             if (t >= least && t < nearest && meets(leaf, i, origin + direction * t)) {
                 nearest = t;
                 hit = i;
-                behind = slope > 0.0;
+                behind = slope > 0.0 && lobes[i].light == 0u;   // a lamp's back is black, not rock
             } else if (slope < 0.0 && candidate == NO_HIT && dot(offset, direction) > least) {
                 candidate = i;
             }

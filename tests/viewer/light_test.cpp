@@ -214,8 +214,8 @@ TEST(Light, BakedLinksGiveTheSameLightAsTracedOnes) {
     const Scene scene = lamp_at({0.5, 0.5, 0.5});
     LightField traced(context, octree.view(), scene);
     traced.iterate(2);
-    octree.links = trace_links(octree.view(), {.rays = 64});
-    octree.links_per_lobe = 64;
+    octree.links = trace_links(octree.view(), {.rays = 128});
+    octree.links_per_lobe = 128;
     LightField baked(context, octree.view(), scene, {.trace_on = TraceOn::kGpu});
     baked.iterate(2);
     const auto a = traced.read_indirect();

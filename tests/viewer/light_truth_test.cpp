@@ -58,10 +58,10 @@ TEST_P(LightTruth, ProbesAgreeWithAnotherRenderer) {
 INSTANTIATE_TEST_SUITE_P(Scenes, LightTruth,
                          ::testing::Values(Goal{"A_sphere_c05", 0.005, 0.002},
                                            Goal{"A_sphere_o08", 0.005, 0.005},
-                                           Goal{"B_box", 0.02, 0.02},
-                                           Goal{"C_dogleg", 0.015, 0.045},
-                                           Goal{"D_cavern", 0.02, 0.065}),
-                         [](const auto& info) { return info.param.scene; });
+                                           Goal{"B_box", 0.018, 0.015},
+                                           Goal{"C_dogleg", 0.005, 0.04},
+                                           Goal{"D_cavern", 0.015, 0.06}),
+                         [](const auto& goal) { return goal.param.scene; });
 
 }  // namespace
 }  // namespace glowworm

@@ -9,6 +9,8 @@ namespace {
 constexpr std::size_t kGroup = 64;
 constexpr std::size_t kLobesAtOnce = 1 << 16;  // a dispatch stays short enough for a display's GPU
 constexpr int kLeastBounces = 2;
+constexpr std::int32_t kProbeRows = 16;  // AREA_SAMPLES of probe_direct.comp
+constexpr std::int32_t kRowsAtOnce = 2;  // direct_light.glsl says why not all
 
 std::size_t field_bytes(const OctreeView& octree) {
     return octree.lobes.size() * sizeof(gpu::vec4);
@@ -33,7 +35,8 @@ LightField::LightField(const Context& context, const OctreeView& octree, const S
       gathered_("gathered irradiance", field_bytes(octree)),
       inject_({"inject.comp"}),
       radiate_({"radiate.comp"}),
-      probe_({"probe.comp"}) {
+      probe_direct_({"probe_direct.comp"}),
+      probe_indirect_({"probe_indirect.comp"}) {
     set_scene(scene);
 }
 
@@ -49,12 +52,16 @@ void LightField::set_scene(const Scene& scene) {
 
 void LightField::inject() {
     bind();
+    direct_.clear();
     const std::size_t lobes = octree_.lobes.size();
-    for (std::size_t first = 0; first < lobes; first += kLobesAtOnce) {
-        const std::size_t last = std::min(lobes, first + kLobesAtOnce);
-        set_uniform(inject_, 0, static_cast<std::uint32_t>(first));
-        set_uniform(inject_, 1, static_cast<std::uint32_t>(last));
-        inject_.dispatch(last - first, kGroup);
+    for (std::uint32_t light = 0; light < gpu_octree_.grid.light_count; ++light) {
+        set_uniform(inject_, 2, light);
+        for (std::size_t first = 0; first < lobes; first += kLobesAtOnce) {
+            const std::size_t last = std::min(lobes, first + kLobesAtOnce);
+            set_uniform(inject_, 0, static_cast<std::uint32_t>(first));
+            set_uniform(inject_, 1, static_cast<std::uint32_t>(last));
+            inject_.dispatch(last - first, kGroup);
+        }
     }
 }
 
@@ -131,8 +138,18 @@ std::vector<ProbeResult> LightField::measure(std::span<const Probe> probes) cons
     bind();
     places_buffer.bind_storage(BINDING_SCRATCH_A);
     measured.bind_storage(BINDING_SCRATCH_B);
-    set_uniform(probe_, 0, static_cast<std::uint32_t>(probes.size()));
-    probe_.dispatch(probes.size(), kGroup);
+    const auto count = static_cast<std::uint32_t>(probes.size());
+    set_uniform(probe_indirect_, 0, count);
+    probe_indirect_.dispatch(count, kGroup);
+    set_uniform(probe_direct_, 0, count);
+    for (std::uint32_t light = 0; light < gpu_octree_.grid.light_count; ++light) {
+        set_uniform(probe_direct_, 1, light);
+        for (std::int32_t row = 0; row < kProbeRows; row += kRowsAtOnce) {
+            set_uniform(probe_direct_, 2, row);
+            set_uniform(probe_direct_, 3, row + kRowsAtOnce);
+            probe_direct_.dispatch(count, kGroup);
+        }
+    }
 
     const auto values = measured.read<gpu::vec4>(places.size());
     std::vector<ProbeResult> results(probes.size());

@@ -83,7 +83,7 @@ class LightField {
     Buffer grid_;  // LightGrid
     Buffer lights_;
     Buffer emitted_, direct_, indirect_, radiance_, gathered_;  // [lobes] vec4
-    Program inject_, radiate_, probe_;
+    Program inject_, radiate_, probe_direct_, probe_indirect_;
     GpuLinks links_;
     std::optional<ConeGather> cones_;
 };
