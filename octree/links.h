@@ -12,7 +12,7 @@ namespace glowworm {
 /// Light arrives at a lobe along a fixed set of cosine-distributed rays. A ray's link is the lobe
 /// that it meets; as long as nothing moves, a bounce of light is a product over the links.
 struct LinkSettings {
-    std::uint32_t rays = 64;  ///< per lobe, 1..1024
+    std::uint32_t rays = 128;  ///< per lobe, 1..1024
     TraceSettings trace = {};
 };
 

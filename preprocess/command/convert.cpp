@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "octree/links.h"
 #include "octree/octree_file.h"
 #include "preprocess/command/command.h"
 #include "preprocess/command/stage_flags.h"
@@ -8,9 +9,6 @@
 
 namespace glowworm {
 namespace {
-
-/// 256 bytes a lobe: what the viewer uses.
-constexpr std::uint32_t kDefaultLinks = 64;
 
 struct ConvertFlags {
     std::vector<std::filesystem::path> inputs;
@@ -75,7 +73,7 @@ nlohmann::ordered_json run_convert(Run& run, ConvertFlags flags) {
 
 void add_convert_command(Program& program) {
     auto flags = std::make_shared<ConvertFlags>();
-    flags->build.links = kDefaultLinks;
+    flags->build.links = LinkSettings{}.rays;  // what the viewer uses
     CLI::App* command =
         program.add("convert", "raw scans to an octree file, the whole pipeline in one command",
                     true, [flags](Run& run) { return run_convert(run, *flags); });

@@ -3,6 +3,7 @@
 #include "preprocess/command/command.h"
 #include "preprocess/command/stage_flags.h"
 #include "preprocess/read/read_scans.h"
+#include "preprocess/surface/plot.h"
 #include "preprocess/surface/surfel_points.h"
 #include "preprocess/write/cloud_writer.h"
 
@@ -13,12 +14,14 @@ struct SurfaceFlags {
     std::filesystem::path input;
     ReadSettings read;
     SurfaceSettings settings;
+    std::filesystem::path plot;
 };
 
 nlohmann::ordered_json run_surface(Run& run, const SurfaceFlags& flags) {
     const std::filesystem::path& output = run.flags.output;
     require_distinct(output, {flags.input});
     check_cloud_extension(output);
+    if (!flags.plot.empty()) require_writable_output(flags.plot, run.flags.force);
 
     run.console.phase("read", "points");
     const PointCloud cloud = read_cloud(flags.input, flags.read);
@@ -27,6 +30,7 @@ nlohmann::ordered_json run_surface(Run& run, const SurfaceFlags& flags) {
         make_surfels(cloud, flags.settings, &report, run.console.phase("surface", "points"));
     run.console.phase("write", "points");
     write_cloud(to_points(surfels), output);
+    if (!flags.plot.empty()) write_png(plot_surfels(surfels), flags.plot);
     run.console.end_phase();
 
     say_surface(report);
@@ -44,6 +48,8 @@ void add_surface_command(Program& program) {
                     [flags](Run& run) { return run_surface(run, *flags); });
     command->add_option("cloud", flags->input, "the cloud, as `glowworm merge` writes it")
         ->required();
+    command->add_option("--plot", flags->plot,
+                        "draw normals and NDF lengths from above into this PNG");
     add_read_flags(*command, flags->read);
     add_surface_flags(*command, flags->settings);
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "octree/links.h"
 #include "octree/trace.h"
 
 namespace glowworm {
@@ -21,10 +22,11 @@ enum class TraceOn {
 
 struct LightSettings {
     Gather gather = Gather::kLinks;
-    std::uint32_t links = 128;  ///< rays per lobe, 1..1024; baked ones are used when as many
-    int cones = 6;              ///< 4, 5, 6, 9, 10 or 16
-    bool faithful = false;      ///< cones exactly as the 2016 paper's configuration
-    bool tricubic = true;       ///< lookup between lobes; false: trilinear
+    std::uint32_t links =
+        LinkSettings{}.rays;  ///< rays per lobe, 1..1024; baked ones are used when as many
+    int cones = 6;            ///< 4, 5, 6, 9, 10 or 16
+    bool faithful = false;    ///< cones exactly as the 2016 paper's configuration
+    bool tricubic = true;     ///< lookup between lobes; false: trilinear
     TraceSettings trace = {};
     TraceOn trace_on = TraceOn::kFaster;
 };
