@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "viewer/app/benchmark.h"
+#include "viewer/app/flight.h"
 #include "viewer/app/picture_file.h"
 #include "viewer/app/probes.h"
 #include "viewer/app/start.h"
@@ -107,6 +108,9 @@ Json run_headless(const Options& options, const Cave& cave, Console& console) {
     if (!options.stats.empty()) {
         console.phase("benchmark", "frames");
         result.update(run_benchmark(context, cave, light, start, options));
+    } else if (!options.path.empty()) {
+        result.update(
+            render_flight(context, cave, light, start, options, console.phase("flight", "frames")));
     } else if (!options.probes.empty()) {
         result.update(measure_probes(light, options, console));
     } else {

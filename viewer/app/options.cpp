@@ -36,7 +36,7 @@ PictureSize size_of(const std::string& text) {
 void check_combination(const CLI::App& app, const Options& options) {
     if (!options.headless) {
         for (const char* flag :
-             {"--output", "--probes", "--samples", "--json", "--force", "--stats"}) {
+             {"--output", "--probes", "--path", "--samples", "--json", "--force", "--stats"}) {
             if (app.count(flag) > 0) fail(fmt::format("{} needs --headless", flag));
         }
         return;
@@ -45,13 +45,23 @@ void check_combination(const CLI::App& app, const Options& options) {
         fail("a benchmark takes both --frames and --stats");
     }
     if (!options.stats.empty()) {
-        for (const char* flag : {"--output", "--probes", "--exposure", "--samples"}) {
+        for (const char* flag : {"--output", "--probes", "--path", "--exposure", "--samples"}) {
             if (app.count(flag) > 0) fail(fmt::format("{} does not go with --stats", flag));
         }
         return;
     }
     if (options.output.empty()) fail("--headless needs -o, the file to write");
     const std::string ending = options.output.extension().string();
+    if (!options.path.empty()) {
+        for (const char* flag : {"--probes", "--camera"}) {
+            if (app.count(flag) > 0) fail(fmt::format("{} does not go with --path", flag));
+        }
+        if (ending.empty()) return;
+        fail(
+            fmt::format("--path writes numbered PNG frames: '{}' must be a folder's name, without "
+                        "an ending; `ffmpeg -i folder/%06d.png fly.mp4` makes a video of them",
+                        options.output.string()));
+    }
     if (options.probes.empty()) {
         if (ending != ".exr" && ending != ".png") {
             fail(fmt::format("the frame '{}' must end in .exr or .png", options.output.string()));
@@ -96,8 +106,11 @@ std::optional<Options> read_options(int argc, char** argv) {
                    "each station and a headlamp");
     app.add_option("--camera", options.camera, "a camera of the scene; the first without it");
     app.add_flag("--headless", options.headless, "write a file and show nothing; needs no display");
-    app.add_option("-o,--output", options.output, "frame.exr, frame.png, or the probes' CSV");
+    app.add_option("-o,--output", options.output,
+                   "frame.exr, frame.png, the probes' CSV, or a flight's folder");
     app.add_option("--probes", options.probes, "measure irradiance at this CSV's points");
+    app.add_option("--path", options.path,
+                   "fly along this path.json and write numbered PNG frames into a new folder");
     app.add_option("--size", size, "WIDTHxHEIGHT in pixels; the camera's without it");
 
     app.add_option("--frames", options.frames,

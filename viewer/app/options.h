@@ -21,6 +21,7 @@ struct Options {
     std::filesystem::path scene;      ///< empty: a scene of our own
     std::filesystem::path output;     ///< headless only
     std::filesystem::path probes;     ///< empty: a frame
+    std::filesystem::path path;       ///< empty: a frame; else the output is a folder
     std::string camera;               ///< empty: the scene's first
     std::optional<PictureSize> size;  ///< empty: the camera's, or the window's own
     std::optional<int> bounces;       ///< empty: until the light settles

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "octree/scene.h"
+
+namespace glowworm {
+
+/// Where a camera is at one moment of a flight.
+struct PathKey {
+    double time = 0.0;  ///< s
+    Vec3d position, look_at;
+    Vec3d up{0.0, 0.0, 1.0};
+    double vfov_deg = 60.0;
+};
+
+/// A camera's flight.
+struct CameraPath {
+    double fps = 30.0;          ///< frames per second, above 0
+    std::vector<PathKey> keys;  ///< at least one, in strict order of time
+};
+
+/// Reads a path.json. A rotation (quaternion x,y,z,w, world from camera) turns a camera that looks
+/// along -Z with +Y up. Throws Error (kUnreadable) with the key that is wrong.
+CameraPath read_camera_path(const std::filesystem::path& path);
+
+/// Frames from the first key to the last, both counted.
+int frame_count(const CameraPath& path);
+
+/// `camera` as it is at a frame: cubic Hermite splines through the keys, whose tangents are the
+/// slopes between their neighbours (Catmull-Rom over uneven times).
+Camera camera_at(const CameraPath& path, int frame, const Camera& camera);
+
+}  // namespace glowworm
