@@ -188,8 +188,9 @@ TEST(ViewProgram, WorksWithoutAScene) {
     const Ended run = glowworm_view({cave.octree, "--headless", "--size", "32x24", "--bounces", "0",
                                      "-o", cave.path("start.exr")});
     ASSERT_EQ(run.code, 0) << run.err;
+    const ExrChannels exr = read_exr(cave.path("start.exr"));
     double sum = 0;
-    for (const float value : read_exr(cave.path("start.exr")).channels.at("R"))
+    for (const float value : exr.channels.at("R"))
         sum += value;
     EXPECT_GT(sum / 768, 1e-3) << "its own lamps light it";
 }
