@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "octree/error.h"
+#include "octree/output_path.h"
 
 namespace glowworm {
 namespace {
@@ -136,6 +137,7 @@ void for_each_entry(const Json& root, const char* key, const char* word, const s
 }  // namespace
 
 Scene read_scene(const std::filesystem::path& path) {
+    require_regular_input(path);
     std::ifstream stream(path);
     if (!stream)
         throw Error(ExitCode::kUnreadable, "cannot read the scene '" + path.string() + "'");

@@ -8,10 +8,12 @@
 #include <nlohmann/json.hpp>
 
 #include "octree/error.h"
+#include "octree/output_path.h"
 
 namespace glowworm {
 
 InputFile describe_input(const std::filesystem::path& path) {
+    require_regular_input(path);
     std::ifstream stream(path, std::ios::binary);
     if (!stream) {
         throw Error(ExitCode::kUnreadable, fmt::format("cannot read '{}'", path.string()));

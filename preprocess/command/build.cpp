@@ -30,7 +30,7 @@ void say_defaults(const SurfelDefaults& defaults, float albedo) {
 
 nlohmann::ordered_json run_build(Run& run, const BuildCommandFlags& flags) {
     const std::filesystem::path& output = run.flags.output;
-    require_distinct(output, {flags.input});
+    require_distinct(output, {flags.input, flags.build.lights});
     const auto lights = flags.build.area_lights();
 
     run.console.phase("read", "points");

@@ -1,10 +1,7 @@
 #include "preprocess/command/command.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <system_error>
 
 #include "octree/check.h"
 #include "octree/error.h"
@@ -28,40 +25,6 @@ CLI::App* Program::add(const std::string& name, const std::string& summary, bool
         ->check(CLI::Range(0, 1024));
     command->final_callback([this, work = std::move(work)] { selected = work; });
     return command;
-}
-
-void require_writable_output(const std::filesystem::path& path, bool force) {
-    std::error_code ignored;
-    if (std::filesystem::is_directory(path, ignored)) {
-        throw Error(ExitCode::kUsage,
-                    fmt::format("the output '{}' is a folder; name a file", path.string()));
-    }
-    if (!force && std::filesystem::exists(path, ignored)) {
-        throw Error(ExitCode::kExists,
-                    fmt::format("the output '{}' exists; --force overwrites it", path.string()));
-    }
-    const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-    if (!std::filesystem::is_directory(folder, ignored)) {
-        throw Error(
-            ExitCode::kUnreadable,
-            fmt::format("the output's folder '{}' does not exist; make it first", folder.string()));
-    }
-    if (::access(folder.c_str(), W_OK) != 0) {
-        throw Error(ExitCode::kUnreadable,
-                    fmt::format("the output's folder '{}' may not be written", folder.string()));
-    }
-}
-
-void require_distinct(const std::filesystem::path& output,
-                      const std::vector<std::filesystem::path>& inputs) {
-    std::error_code ignored;
-    for (const auto& input : inputs) {
-        if (std::filesystem::equivalent(output, input, ignored)) {
-            throw Error(ExitCode::kUsage,
-                        fmt::format("'{}' is input and output at once; choose another output",
-                                    output.string()));
-        }
-    }
 }
 
 void require_sound(const OctreeFile& file, const std::filesystem::path& path) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "octree/octree_file.h"
+#include "octree/output_path.h"
 #include "preprocess/command/console.h"
 
 namespace glowworm {
@@ -55,14 +56,6 @@ void add_info_command(Program& program);
 void add_check_command(Program& program);
 void add_diff_command(Program& program);
 void add_extract_command(Program& program);
-
-/// Throws Error (kExists) where `path` is there and --force was not given, (kUnreadable) where its
-/// folder is not there or may not be written: before any work, not an hour into it.
-void require_writable_output(const std::filesystem::path& path, bool force);
-
-/// Throws Error (kUsage) where `output` is one of the `inputs`.
-void require_distinct(const std::filesystem::path& output,
-                      const std::vector<std::filesystem::path>& inputs);
 
 /// Throws Error (kCheckFailed) where an index inside the mapped file leads out of it: asked before
 /// a command follows them.

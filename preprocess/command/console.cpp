@@ -30,7 +30,8 @@ void install_cancel_handlers() {
 }
 
 void throw_if_cancelled() {
-    if (cancel_requested != 0) throw Error(ExitCode::kCancelled, "cancelled; nothing was written");
+    if (cancel_requested != 0)
+        throw Error(ExitCode::kCancelled, "cancelled before the output was written");
 }
 
 ProgressMode progress_mode(const std::string& name) {

@@ -44,6 +44,8 @@ nlohmann::ordered_json run_convert(Run& run, ConvertFlags flags) {
     const std::filesystem::path poses = output.string() + ".poses.json";
     require_distinct(output, files);
     require_distinct(poses, files);
+    require_distinct(output, {flags.build.lights, run.flags.log_file});
+    require_writable_output(poses, run.flags.force);
 
     flags.registration.apply(flags.settings.registration);
     flags.settings.area_lights = flags.build.area_lights();

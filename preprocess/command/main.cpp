@@ -75,6 +75,9 @@ int run(int argc, char** argv) {
     const nlohmann::ordered_json result = selected(context);
     console.end_phase();
     if (flags.json) fmt::print("{}\n", result.dump(2));
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+        throw Error(ExitCode::kBudget, "cannot write the result to standard output");
+    }
     if (!flags.output.empty()) spdlog::info("wrote {}", flags.output.string());
     return static_cast<int>(ExitCode::kDone);
 }

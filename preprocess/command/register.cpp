@@ -19,7 +19,10 @@ struct RegisterFlags {
 nlohmann::ordered_json run_register(Run& run, RegisterFlags flags) {
     const auto files = find_scan_files(flags.inputs);
     require_distinct(run.flags.output, files);
-    if (!flags.plot.empty()) require_writable_output(flags.plot, run.flags.force);
+    if (!flags.plot.empty()) {
+        require_writable_output(flags.plot, run.flags.force);
+        require_distinct(flags.plot, files);
+    }
     flags.registration.apply(flags.settings.registration);
 
     const auto begin = [&](const std::string& phase, const std::string& unit) {

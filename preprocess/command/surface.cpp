@@ -21,7 +21,10 @@ nlohmann::ordered_json run_surface(Run& run, const SurfaceFlags& flags) {
     const std::filesystem::path& output = run.flags.output;
     require_distinct(output, {flags.input});
     check_cloud_extension(output);
-    if (!flags.plot.empty()) require_writable_output(flags.plot, run.flags.force);
+    if (!flags.plot.empty()) {
+        require_writable_output(flags.plot, run.flags.force);
+        require_distinct(flags.plot, {flags.input});
+    }
 
     run.console.phase("read", "points");
     const PointCloud cloud = read_cloud(flags.input, flags.read);

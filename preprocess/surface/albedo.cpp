@@ -58,7 +58,10 @@ Rgb8 to_srgb(const Vec3f& linear) {
 }
 
 std::vector<Rgb8> albedo_bytes(const Points& points, float default_albedo, AlbedoSource& source) {
-    if (!points.colours.empty()) {
+    // A scanner that took no pictures often writes black: that is no colour.
+    const bool any_colour = std::any_of(points.colours.begin(), points.colours.end(),
+                                        [](const Rgb8& colour) { return colour != Rgb8{}; });
+    if (any_colour) {
         source = AlbedoSource::kColours;
         return points.colours;
     }

@@ -1,5 +1,7 @@
 // Bad input: one sentence, the exit code of the contract, nothing under the final name.
 
+#include <sys/stat.h>
+
 #include <fstream>
 
 #include "program.h"
@@ -98,6 +100,31 @@ TEST(BadInput, InputAndOutputAtOnce) {
                    2, "scan.ply");
     EXPECT_EQ(std::filesystem::file_size(folder / "scan.ply"),
               std::filesystem::file_size(demo_scan()));
+}
+
+TEST(BadInput, AnOutputThatIsADeviceIsLeftAlone) {
+    const ScratchFolder folder;
+    ASSERT_EQ(::mkfifo((folder / "pipe.svo").c_str(), 0600), 0);
+    expect_refused(glowworm({"convert", demo_scan(), "-o", folder / "pipe.svo", "--force"}), 2,
+                   "no regular file");
+    EXPECT_TRUE(std::filesystem::is_fifo(folder / "pipe.svo"));
+}
+
+TEST(BadInput, APipeAsInputDoesNotHang) {
+    const ScratchFolder folder;
+    ASSERT_EQ(::mkfifo((folder / "pipe.ply").c_str(), 0600), 0);
+    expect_refused(glowworm({"convert", folder / "pipe.ply", "-o", folder / "cave.svo"}), 3,
+                   "pipe.ply");
+    expect_refused(glowworm({"convert", demo_scan(), "--lights", folder / "pipe.ply", "-o",
+                             folder / "cave.svo"}),
+                   3, "pipe.ply");
+}
+
+TEST(BadInput, SomeonesFileBesideTheOutputIsKept) {
+    const ScratchFolder folder;
+    write_text(folder / "cave.svo.poses.json", "mine");
+    expect_refused(glowworm({"convert", demo_scan(), "-o", folder / "cave.svo"}), 7, "--force");
+    EXPECT_EQ(std::filesystem::file_size(folder / "cave.svo.poses.json"), 4u);
 }
 
 TEST(BadInput, WrongUsage) {

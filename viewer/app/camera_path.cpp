@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "octree/error.h"
+#include "octree/output_path.h"
 
 namespace glowworm {
 namespace {
@@ -88,6 +89,7 @@ auto spline(const std::vector<PathKey>& keys, std::size_t i, double seconds, Mem
 
 CameraPath read_camera_path(const std::filesystem::path& file) {
     const std::string name = fmt::format("'{}'", file.string());
+    require_regular_input(file);
     std::ifstream stream(file);
     if (!stream) fail(name, "it cannot be read");
     const Json root = Json::parse(stream, nullptr, false);

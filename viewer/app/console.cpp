@@ -92,29 +92,6 @@ void Console::show(std::uint64_t done, std::uint64_t total, bool ended) {
     std::fflush(stderr);
 }
 
-void require_writable_output(const std::filesystem::path& path, bool force) {
-    std::error_code ignored;
-    const std::string name = path.string();
-    if (std::filesystem::is_directory(path, ignored)) {
-        throw Error(ExitCode::kUsage,
-                    fmt::format("the output '{}' is a folder; name a file", name));
-    }
-    if (!force && std::filesystem::exists(path, ignored)) {
-        throw Error(ExitCode::kExists,
-                    fmt::format("the output '{}' exists; --force overwrites it", name));
-    }
-    const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-    if (!std::filesystem::is_directory(folder, ignored)) {
-        throw Error(
-            ExitCode::kUnreadable,
-            fmt::format("the output's folder '{}' does not exist; make it first", folder.string()));
-    }
-    if (::access(folder.c_str(), W_OK) != 0) {
-        throw Error(ExitCode::kUnreadable,
-                    fmt::format("the output's folder '{}' may not be written", folder.string()));
-    }
-}
-
 void set_up_logging(bool quiet, bool verbose, const std::filesystem::path& file) {
     std::vector<spdlog::sink_ptr> sinks{std::make_shared<spdlog::sinks::stderr_color_sink_st>()};
     if (!file.empty()) {

@@ -41,10 +41,6 @@ void install_cancel_handlers();
 /// Whether they have asked.
 bool cancel_requested();
 
-/// Throws Error (kExists) where `path` is there and `force` was not given, (kUnreadable) where its
-/// folder is missing or may not be written: before the work.
-void require_writable_output(const std::filesystem::path& path, bool force);
-
 /// Logs to stderr and, where it is not empty, to `file`. Throws Error (kUnreadable) where that
 /// cannot be written.
 void set_up_logging(bool quiet, bool verbose, const std::filesystem::path& file);

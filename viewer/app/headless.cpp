@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "octree/output_path.h"
 #include "viewer/app/benchmark.h"
 #include "viewer/app/flight.h"
 #include "viewer/app/picture_file.h"
@@ -94,6 +95,7 @@ Json render_frame(const Context& context, const Cave& cave, const LightField& li
 Json run_headless(const Options& options, const Cave& cave, Console& console) {
     const std::filesystem::path& output = options.stats.empty() ? options.output : options.stats;
     require_writable_output(output, options.force);
+    require_distinct(output, {options.octree, options.scene, options.probes});
     const Start start = start_of(cave.points(), options.scene, options.camera);
 
     console.phase("upload", "");

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "octree/error.h"
+#include "octree/output_path.h"
 
 namespace glowworm {
 namespace {
@@ -114,6 +115,7 @@ Difference difference_of(std::span<const Irradiance> truth, std::span<const Irra
 }  // namespace
 
 ProbeTable read_probes(const std::filesystem::path& path) {
+    require_regular_input(path);
     std::ifstream stream(path);
     std::string line;
     if (!stream || std::filesystem::is_directory(path)) {
