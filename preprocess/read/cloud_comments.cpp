@@ -115,4 +115,14 @@ bool read_cloud_comment(std::string_view line, CloudComments& comments) {
     return true;
 }
 
+void read_cloud_comments(std::span<const std::string> comments, ScanHeader& header) {
+    CloudComments read;
+    for (const std::string& comment : comments) {
+        if (!read_cloud_comment(comment, read)) header.metadata.emplace_back("comment", comment);
+    }
+    header.origin = read.origin;
+    header.stations = std::move(read.stations);
+    header.area_lights = std::move(read.area_lights);
+}
+
 }  // namespace glowworm

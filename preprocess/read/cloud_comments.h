@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "octree/surfel.h"
 #include "octree/vec3.h"
+#include "preprocess/read/scan_file.h"
 
 namespace glowworm {
 
@@ -34,5 +36,9 @@ std::vector<std::string> write_cloud_comments(const CloudComments& comments);
 /// other programs are): wrong number of words, a number that is not finite, or a station whose
 /// INDEX is not the number of stations so far.
 bool read_cloud_comment(std::string_view line, CloudComments& comments);
+
+/// Reads all comments of a file into `header`: origin, stations and area lights where they say so,
+/// the others into its metadata as "comment".
+void read_cloud_comments(std::span<const std::string> comments, ScanHeader& header);
 
 }  // namespace glowworm

@@ -68,14 +68,7 @@ class PcdFile final : public ScanFile {
             return false;
         }
         header = {};
-        CloudComments comments;
-        for (const std::string& comment : header_.comments) {
-            if (!read_cloud_comment(comment, comments))
-                header.metadata.emplace_back("comment", comment);
-        }
-        header.origin = comments.origin;
-        header.stations = std::move(comments.stations);
-        header.area_lights = std::move(comments.area_lights);
+        read_cloud_comments(header_.comments, header);
         header.T_world_scan = header_.viewpoint;
         header.has_viewpoint = header_.viewpoint.has_value();
         if (header_.points == 0) return true;

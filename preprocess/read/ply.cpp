@@ -67,14 +67,7 @@ class PlyFile final : public ScanFile {
             return false;
         }
         header = {};
-        CloudComments comments;
-        for (const std::string& comment : header_.comments) {
-            if (!read_cloud_comment(comment, comments))
-                header.metadata.emplace_back("comment", comment);
-        }
-        header.origin = comments.origin;
-        header.stations = std::move(comments.stations);
-        header.area_lights = std::move(comments.area_lights);
+        read_cloud_comments(header_.comments, header);
 
         const auto vertex = std::ranges::find(header_.elements, "vertex", &PlyElement::name);
         if (vertex == header_.elements.end() || vertex->count == 0) return true;
