@@ -20,6 +20,14 @@ volatile std::sig_atomic_t cancel_asked = 0;
 constexpr auto kShortestInterval = std::chrono::milliseconds(100);
 constexpr int kBarWidth = 24;
 
+/// "12 s", "3 min 05 s", "2 h 07 min".
+std::string duration_text(double seconds) {
+    const auto s = static_cast<long>(seconds + 0.5);
+    if (s < 60) return fmt::format("{} s", s);
+    if (s < 3600) return fmt::format("{} min {:02} s", s / 60, s % 60);
+    return fmt::format("{} h {:02} min", s / 3600, s / 60 % 60);
+}
+
 }  // namespace
 
 void install_cancel_handlers() {
@@ -87,6 +95,10 @@ void Console::show(std::uint64_t done, std::uint64_t total, bool ended) {
                    std::string(static_cast<std::size_t>(filled), '='), kBarWidth, part * 100.0,
                    seconds);
         if (total > 0) fmt::print(stderr, "  {} {}", ended ? total : done, unit_);
+        if (!ended && total > 0 && done > 0) {
+            const double left = seconds * static_cast<double>(total - done) / double(done);
+            fmt::print(stderr, ", {} left", duration_text(left));
+        }
         if (ended) fmt::print(stderr, "\n");
     }
     std::fflush(stderr);

@@ -185,7 +185,7 @@ std::vector<AreaLight> area_lights_of(const OctreeView& octree) {
 
 PointLight headlamp_at(const Camera& camera, float radiant_intensity) {
     const Vec3d above = camera.position + camera.up * 0.15;
-    return {"headlamp", above, Vec3f{1, 1, 1} * radiant_intensity};
+    return {kHeadlampName, above, Vec3f{1, 1, 1} * radiant_intensity};
 }
 
 Scene default_scene(const OctreeView& octree) {

@@ -10,6 +10,8 @@ namespace glowworm {
 /// bright enough for about 1 W·m⁻² on the nearest walls; exposure does the rest.
 Scene default_scene(const OctreeView& octree);
 
+inline constexpr const char* kHeadlampName = "headlamp";
+
 /// The lamp on the viewer's helmet: white, a little above the eye.
 PointLight headlamp_at(const Camera& camera, float radiant_intensity);
 

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "octree/output_path.h"
 #include "viewer/app/benchmark.h"
@@ -94,8 +95,13 @@ Json render_frame(const Context& context, const Cave& cave, const LightField& li
 
 Json run_headless(const Options& options, const Cave& cave, Console& console) {
     const std::filesystem::path& output = options.stats.empty() ? options.output : options.stats;
-    require_writable_output(output, options.force);
-    require_distinct(output, {options.octree, options.scene, options.probes});
+    std::optional<CameraPath> path;
+    if (options.path.empty()) {
+        require_writable_output(output, options.force);
+        require_distinct(output, {options.octree, options.scene, options.probes});
+    } else {
+        path = prepare_flight(options);
+    }
     const Start start = start_of(cave.points(), options.scene, options.camera);
 
     console.phase("upload", "");
@@ -110,9 +116,9 @@ Json run_headless(const Options& options, const Cave& cave, Console& console) {
     if (!options.stats.empty()) {
         console.phase("benchmark", "frames");
         result.update(run_benchmark(context, cave, light, start, options));
-    } else if (!options.path.empty()) {
-        result.update(
-            render_flight(context, cave, light, start, options, console.phase("flight", "frames")));
+    } else if (path) {
+        result.update(render_flight(context, cave, light, start, *path, options,
+                                    console.phase("flight", "frames")));
     } else if (!options.probes.empty()) {
         result.update(measure_probes(light, options, console));
     } else {

@@ -7,6 +7,7 @@
 
 #include "octree/error.h"
 #include "octree/node_layout.h"
+#include "viewer/app/video_encoder.h"
 
 namespace glowworm {
 namespace {
@@ -30,6 +31,23 @@ PictureSize size_of(const std::string& text) {
         }
     }
     fail(fmt::format("--size '{}' is not WIDTHxHEIGHT in 1..{} pixels", text, kLargestEdge));
+}
+
+/// A flight becomes a video, or numbered frames where the output is a folder.
+void check_flight(const CLI::App& app, const Options& options) {
+    const bool exr = options.frame_format == "exr";
+    if (is_video_name(options.output)) {
+        if (app.count("--frame-format") > 0) fail("--frame-format is for a folder of frames");
+    } else if (!options.output.extension().empty() &&
+               !std::filesystem::is_directory(options.output)) {
+        fail(
+            fmt::format("--path writes a video or a folder of frames: '{}' must end in .mp4, "
+                        ".m4v, .mov or .mkv, or be a folder's name without an ending",
+                        options.output.string()));
+    }
+    if (exr && (app.count("--tonemap") > 0 || app.count("--exposure") > 0)) {
+        fail("an EXR holds radiance: --exposure and --tonemap are for PNG and videos");
+    }
 }
 
 /// What only makes sense together, in a sentence each.
@@ -56,12 +74,10 @@ void check_combination(const CLI::App& app, const Options& options) {
         for (const char* flag : {"--probes", "--camera"}) {
             if (app.count(flag) > 0) fail(fmt::format("{} does not go with --path", flag));
         }
-        if (ending.empty()) return;
-        fail(
-            fmt::format("--path writes numbered PNG frames: '{}' must be a folder's name, without "
-                        "an ending; `ffmpeg -i folder/%06d.png fly.mp4` makes a video of them",
-                        options.output.string()));
+        check_flight(app, options);
+        return;
     }
+    if (app.count("--frame-format") > 0) fail("--frame-format goes with --path");
     if (options.probes.empty()) {
         if (ending != ".exr" && ending != ".png") {
             fail(fmt::format("the frame '{}' must end in .exr or .png", options.output.string()));
@@ -107,10 +123,15 @@ std::optional<Options> read_options(int argc, char** argv) {
     app.add_option("--camera", options.camera, "a camera of the scene; the first without it");
     app.add_flag("--headless", options.headless, "write a file and show nothing; needs no display");
     app.add_option("-o,--output", options.output,
-                   "frame.exr, frame.png, the probes' CSV, or a flight's folder");
+                   "frame.exr, frame.png, the probes' CSV, or a flight's video or folder");
     app.add_option("--probes", options.probes, "measure irradiance at this CSV's points");
     app.add_option("--path", options.path,
-                   "fly along this path.json and write numbered PNG frames into a new folder");
+                   "fly along this path.json: into a video (.mp4, .m4v, .mov, .mkv; needs ffmpeg), "
+                   "or into a folder as numbered frames");
+    app.add_option("--frame-format", options.frame_format,
+                   "of a folder's frames: png (exposed) or exr (linear, with layers)")
+        ->check(CLI::IsMember({"png", "exr"}))
+        ->capture_default_str();
     app.add_option("--size", size, "WIDTHxHEIGHT in pixels; the camera's without it");
 
     app.add_option("--frames", options.frames,

@@ -18,15 +18,16 @@ struct PictureSize {
 /// The command line, checked.
 struct Options {
     std::filesystem::path octree;
-    std::filesystem::path scene;      ///< empty: a scene of our own
-    std::filesystem::path output;     ///< headless only
-    std::filesystem::path probes;     ///< empty: a frame
-    std::filesystem::path path;       ///< empty: a frame; else the output is a folder
-    std::string camera;               ///< empty: the scene's first
-    std::optional<PictureSize> size;  ///< empty: the camera's, or the window's own
-    std::optional<int> bounces;       ///< empty: until the light settles
-    std::optional<int> frames;        ///< a window closes after so many, a benchmark draws them
-    std::filesystem::path stats;      ///< headless only: what a benchmark writes
+    std::filesystem::path scene;       ///< empty: a scene of our own
+    std::filesystem::path output;      ///< headless only
+    std::filesystem::path probes;      ///< empty: a frame
+    std::filesystem::path path;        ///< empty: a frame; else a flight, into a video or a folder
+    std::string frame_format = "png";  ///< of a flight's folder: png or exr
+    std::string camera;                ///< empty: the scene's first
+    std::optional<PictureSize> size;   ///< empty: the camera's, or the window's own
+    std::optional<int> bounces;        ///< empty: until the light settles
+    std::optional<int> frames;         ///< a window closes after so many, a benchmark draws them
+    std::filesystem::path stats;       ///< headless only: what a benchmark writes
     bool headless = false;
 
     LightSettings light;
