@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kMostContradicted = 0.04;  // over all pairs of two groups being joined
 constexpr double kClosesWithin = 2.0;       // voxel sizes: a loop of a few pairs that closes
-constexpr double kEdgeFloor = 0.015;        // voxel sizes: what sampling leaves even on good fits
+constexpr double kEdgeFloor = 0.004;        // voxel sizes: what sampling leaves even on good fits
 constexpr double kLoopOverlap = 0.12;       // least overlap worth another edge
 constexpr double kMostSigmas = 8.0;
 

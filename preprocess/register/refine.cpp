@@ -15,10 +15,12 @@ constexpr std::size_t kBlock = 512;    // samples summed together, in fixed orde
 constexpr std::size_t kFewestPartners = 30;
 constexpr double kMadToSigma = 1.4826;
 constexpr double kLossScale = 2.0;  // in sigmas
+constexpr double kSurest = 0.01;    // in spacings: no place is known better than this
 
 struct Partner {
     Eigen::Vector3d place, normal;  // of the moved source sample; mean of the two normals
-    double residual = 0;
+    double residual = 0;            // m
+    double weight = 1;              // 1: as sure as the average partner
     bool found = false;
 };
 
@@ -37,13 +39,15 @@ double quantile(std::vector<double> values, double q) {
     return *at;
 }
 
-/// Pairs every `step`-th source sample with its nearest target sample.
+/// Pairs every `step`-th source sample with its nearest target sample. Weights: one over the
+/// variance of the residual, their mean being 1.
 std::vector<Partner> find_partners(const SurfaceSamples& source, const SurfaceSamples& target,
                                    const Eigen::Isometry3d& T, std::size_t step, float gate) {
     const Eigen::Isometry3f Tf = T.cast<float>();
     const Eigen::Matrix3f R = Tf.linear();
     const std::size_t count = (source.size() + step - 1) / step;
     std::vector<Partner> partners(count);
+    const double floor = std::pow(kSurest * target.spacing, 2);
     tbb::parallel_for(std::size_t{0}, (count + kBlock - 1) / kBlock, [&](std::size_t block) {
         for (std::size_t k = block * kBlock; k < std::min(count, (block + 1) * kBlock); ++k) {
             const Eigen::Vector3f place = Tf * to_eigen(source.positions[k * step]);
@@ -58,8 +62,21 @@ std::vector<Partner> find_partners(const SurfaceSamples& source, const SurfaceSa
             partner.place = place.cast<double>();
             partner.residual = partner.normal.dot((place - q).cast<double>());
             partner.found = true;
+            if (!source.variances.empty() && !target.variances.empty()) {
+                partner.weight =
+                    1.0 / (static_cast<double>(source.variances[k * step]) +
+                           static_cast<double>(target.variances[nearest.index]) + floor);
+            }
         }
     });
+    double sum = 0.0, found = 0.0;
+    for (const Partner& p : partners) {
+        if (!p.found) continue;
+        sum += p.weight;
+        found += 1.0;
+    }
+    for (Partner& p : partners)
+        p.weight *= found / sum;
     return partners;
 }
 
@@ -74,8 +91,9 @@ Sums sum_up(std::span<const Partner> partners, const Eigen::Vector3d& centre, do
             if (!p.found) continue;
             Vector6d J;
             J << (p.place - centre).cross(p.normal), p.normal;
-            const double ratio = scale * scale / (scale * scale + p.residual * p.residual);
-            const double weight = ratio * ratio;
+            const double surprise = p.weight * p.residual * p.residual;
+            const double ratio = scale * scale / (scale * scale + surprise);
+            const double weight = p.weight * ratio * ratio;
             sums.H.noalias() += weight * J * J.transpose();
             sums.g += weight * p.residual * J;
         }
@@ -125,7 +143,7 @@ Fit refine(const SurfaceSamples& source, const SurfaceSamples& target,
         Eigen::Vector3d centre = Eigen::Vector3d::Zero();
         for (const Partner& p : partners) {
             if (!p.found) continue;
-            distances.push_back(std::abs(p.residual));
+            distances.push_back(std::sqrt(p.weight) * std::abs(p.residual));
             centre += p.place;
         }
         fit.inliers = distances.size();

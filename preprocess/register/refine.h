@@ -22,7 +22,8 @@ struct Fit {
     Eigen::Isometry3d T_target_source = Eigen::Isometry3d::Identity();
     bool converged = false;
     std::size_t inliers = 0;  ///< samples with a partner within the final gate
-    double rmse = 0;          ///< m, of the inliers' distances to the partner's plane
+    double rmse = 0;          ///< m, of the inliers' distances to the partner's surface, the surer
+                              ///< ones counting more
     double p95 = 0;           ///< m
     /// Sum of wᵢJᵢᵀJᵢ over the inliers for a turn (radians) about `centre` and a shift (m), target
     /// frame: the inverse of the covariance, times the variance of a residual.
@@ -31,8 +32,9 @@ struct Fit {
     double extent = 0;  ///< m, rms distance of the inliers from the centre
 };
 
-/// Symmetric point-to-plane ICP (Rusinkiewicz 2019) with a Geman-McClure loss whose scale follows
-/// the residuals, from `T_target_source`. Stops when the motion of a step is below 1e-6 of the
+/// Symmetric point-to-plane ICP (Rusinkiewicz 2019), exact for surfaces of constant curvature, with
+/// residuals weighted by the samples' variances and a Geman-McClure loss whose scale follows them,
+/// from `T_target_source`. Stops when the motion of a step is below 1e-6 of the
 /// samples' extent. Too few partners: `converged` is false and `inliers` tells.
 Fit refine(const SurfaceSamples& source, const SurfaceSamples& target,
            const Eigen::Isometry3d& T_target_source, const RefineSettings& settings);

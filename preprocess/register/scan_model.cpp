@@ -10,6 +10,7 @@
 
 #include "preprocess/clean.h"
 #include "preprocess/register/orient.h"
+#include "preprocess/register/patches.h"
 
 namespace glowworm {
 namespace {
@@ -141,7 +142,7 @@ ScanModel model_scan(const Scan& scan, double spacing, bool upright) {
         model.depths.emplace(seen);
     }
     model.coarse = sample_surface(turned, spacing, viewpoint);
-    model.fine = sample_surface(turned, kFineSpacing * spacing, viewpoint);
+    model.fine = sample_patches(turned, kFineSpacing * spacing, viewpoint);
     return model;
 }
 

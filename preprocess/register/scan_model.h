@@ -18,12 +18,12 @@ inline Vec3f to_vec3(const Eigen::Vector3f& v) {
     return {v.x(), v.y(), v.z()};
 }
 
-/// Even samples of a scan's surface, each smoothed along its normal onto the plane through its
-/// neighbours: columns of equal length.
+/// Even samples of a scan's surface, each smoothed along its normal: columns of equal length.
 struct SurfaceSamples {
     double spacing = 0;            ///< m, edge of the thinning voxels
     std::vector<Vec3f> positions;  ///< m, the model's frame
     std::vector<Vec3f> normals;    ///< unit, toward the scanner where there is one
+    std::vector<float> variances;  ///< m², of a position along its normal; empty: all alike
     KdTree tree;                   ///< over positions
 
     std::size_t size() const { return positions.size(); }
@@ -49,9 +49,10 @@ struct ScanModel {
     Vec3f viewpoint;                   ///< m, the scanner's place
 };
 
-/// Samples of `positions` at `spacing` metres with normals from a plane fit to their neighbours.
-/// Samples without enough neighbours are left out. Normals face `viewpoint` where it is given, else
-/// they agree with their neighbours' and, as far as they can, point away from the middle.
+/// Samples of `positions` at `spacing` metres, each on the plane through its neighbours: good
+/// enough to find places again, not to align by (see patches.h). Samples without enough neighbours
+/// are left out. Normals face `viewpoint` where it is given, else they agree with their neighbours'
+/// and, as far as they can, point away from the middle.
 SurfaceSamples sample_surface(std::span<const Vec3f> positions, double spacing,
                               const std::optional<Vec3f>& viewpoint);
 

@@ -75,8 +75,8 @@ TEST(Registration, PlacesEveryStationOfACaveWithoutPlanesFromNothing) {
     EXPECT_EQ(unregistered(result), 0u);
     EXPECT_TRUE(result.trustworthy());
     // The far stations hang on a chain of single links seen by scans of 25 k points.
-    EXPECT_LE(worst.degrees, 0.3);
-    EXPECT_LE(worst.millimetres, 30.0);
+    EXPECT_LE(worst.degrees, 0.05);
+    EXPECT_LE(worst.millimetres, 5.0);
     EXPECT_EQ(result.poses.scans[0].status, PoseStatus::kReference);
     EXPECT_TRUE(result.poses.scans[0].T_world_scan.matrix().isIdentity(1e-12))
         << "the world is the reference scan's frame";
