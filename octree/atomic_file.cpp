@@ -14,7 +14,7 @@ namespace glowworm {
 namespace {
 
 [[noreturn]] void throw_write_error(const std::filesystem::path& path, int error) {
-    const bool full = error == ENOSPC || error == EDQUOT;
+    const bool full = error == ENOSPC || error == EDQUOT || error == EFBIG;
     throw Error(full ? ExitCode::kBudget : ExitCode::kUnreadable,
                 "cannot write '" + path.string() + "': " + std::strerror(error) +
                     (full ? "; free some space or choose another disk"

@@ -69,7 +69,7 @@ void add_build_command(Program& program) {
     command
         ->add_option("--default-albedo", flags->default_albedo,
                      "linear albedo of points without colour")
-        ->check(CLI::Range(0.0f, 1.0f));
+        ->check(finite(0.0, 1.0));
     flags->build.add_to(*command);
     add_read_flags(*command, flags->read);
 }

@@ -5,16 +5,18 @@
 
 #include "octree/check.h"
 #include "octree/error.h"
+#include "preprocess/command/memory_limit.h"
 
 namespace glowworm {
 
 CLI::App* Program::add(const std::string& name, const std::string& summary, bool needs_output,
-                       Work work) {
+                       Work work, Work plan) {
     CLI::App* command = app.add_subcommand(name, summary);
+    command->fallthrough();  // --config and --version are the program's
     if (needs_output) {
         command->add_option("-o,--output", flags.output, "where the result goes")->required();
-        command->add_flag("--force", flags.force, "overwrite an output that is there");
     }
+    command->add_flag("--force", flags.force, "overwrite an output that is there");
     command->add_flag("--json", flags.json, "print the result as one JSON object on stdout");
     command->add_option("--progress", flags.progress, "auto, bar, json or none")
         ->check(CLI::IsMember({"auto", "bar", "json", "none"}));
@@ -23,7 +25,25 @@ CLI::App* Program::add(const std::string& name, const std::string& summary, bool
     command->add_option("--log-file", flags.log_file, "write the log to this file as well");
     command->add_option("--threads", flags.threads, "how many threads to use; 0 is all")
         ->check(CLI::Range(0, 1024));
-    command->final_callback([this, work = std::move(work)] { selected = work; });
+    command->add_option_function<std::string>(
+        "--memory-limit",
+        [this](const std::string& size) { flags.memory_limit = parse_size(size); },
+        "memory that may be used, such as 512M, 8G or 1.5GiB; what cannot fit is refused at once");
+    command->add_option("--temp-dir", flags.temp_dir,
+                        "an existing folder for temporary files; beside the output if not given");
+    command->add_flag("--dry-run", flags.dry_run,
+                      "predict depth, memory, disk and time, print every warning, write nothing");
+    command->add_flag("--resume", flags.resume,
+                      "go on from what an earlier run left; nothing to do where it is done");
+    if (!plan && needs_output) {
+        plan = [name](Run&) -> nlohmann::ordered_json {
+            throw Error(ExitCode::kUsage,
+                        fmt::format("'{}' predicts nothing; leave --dry-run out", name));
+        };
+    }
+    command->final_callback([this, work = std::move(work), plan = std::move(plan)] {
+        selected = flags.dry_run && plan ? plan : work;
+    });
     return command;
 }
 
@@ -39,6 +59,10 @@ std::string format_bytes(std::uint64_t bytes) {
     if (bytes < 1000'000) return fmt::format("{:.1f} kB", double(bytes) * 1e-3);
     if (bytes < 1000'000'000) return fmt::format("{:.1f} MB", double(bytes) * 1e-6);
     return fmt::format("{:.2f} GB", double(bytes) * 1e-9);
+}
+
+std::string format_number_of(std::uint64_t count, const std::string& one) {
+    return format_count(count) + " " + one + (count == 1 ? "" : "s");
 }
 
 std::string format_count(std::uint64_t count) {

@@ -23,6 +23,10 @@ struct SharedFlags {
     bool verbose = false;            ///< every detail
     std::filesystem::path log_file;  ///< logs go here as well
     int threads = 0;                 ///< 0: as many as the machine has
+    std::uint64_t memory_limit = 0;  ///< bytes the program may use at its peak; 0: no limit
+    std::filesystem::path temp_dir;  ///< for what is kept while it works; empty: beside the output
+    bool dry_run = false;            ///< predict and warn, write nothing
+    bool resume = false;             ///< go on from what an earlier run left, also where it is done
 };
 
 /// What a subcommand's work is given: the shared flags and the console to talk through.
@@ -36,14 +40,16 @@ struct Run {
 using Work = std::function<nlohmann::ordered_json(Run&)>;
 
 /// Adds `name` with the shared flags to `app`; `selected` receives the work when the user asks for
-/// it. Where `needs_output` is set, -o is required.
+/// it, or `plan` where the user asks with --dry-run: it predicts and warns, and writes nothing. A
+/// command that writes no file needs no plan: its work is done. Where `needs_output` is set, -o is
+/// required.
 struct Program {
     CLI::App& app;
     SharedFlags& flags;
     Work& selected;
 
-    CLI::App* add(const std::string& name, const std::string& summary, bool needs_output,
-                  Work work);
+    CLI::App* add(const std::string& name, const std::string& summary, bool needs_output, Work work,
+                  Work plan = {});
 };
 
 /// One file per subcommand defines each of these.
@@ -63,6 +69,9 @@ void require_sound(const OctreeFile& file, const std::filesystem::path& path);
 
 /// "12.3 MB" for people.
 std::string format_bytes(std::uint64_t bytes);
+
+/// "1 scan", "2 scans": `one` with its number, an s after it where there are more or none.
+std::string format_number_of(std::uint64_t count, const std::string& one);
 
 /// "1 234 567" for people.
 std::string format_count(std::uint64_t count);

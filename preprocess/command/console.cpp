@@ -20,13 +20,15 @@ constexpr int kBarWidth = 24;
 
 }  // namespace
 
-void install_cancel_handlers() {
+void install_signal_handlers() {
     struct sigaction action = {};
     action.sa_handler = [](int) { cancel_requested = 1; };
     // A second signal ends the program at once, for work that takes long to listen.
     action.sa_flags = static_cast<int>(SA_RESETHAND);
     ::sigaction(SIGINT, &action, nullptr);
     ::sigaction(SIGTERM, &action, nullptr);
+    // A file beyond the user's limit is an error of the write, which has a sentence.
+    std::signal(SIGXFSZ, SIG_IGN);
 }
 
 void throw_if_cancelled() {

@@ -39,8 +39,9 @@ class Console {
     std::chrono::steady_clock::time_point started_, last_shown_;
 };
 
-/// SIGINT and SIGTERM ask to stop: the next progress report throws.
-void install_cancel_handlers();
+/// SIGINT and SIGTERM ask to stop: the next progress report throws. A file that grows beyond the
+/// user's limit (SIGXFSZ) becomes a failed write.
+void install_signal_handlers();
 
 /// Throws Error (kCancelled) once the user has asked to stop.
 void throw_if_cancelled();

@@ -1,8 +1,6 @@
-#include <algorithm>
-#include <cstring>
 #include <fstream>
 
-#include "octree/node_layout.h"
+#include "octree/error.h"
 #include "preprocess/command/command.h"
 #include "preprocess/command/octree_info.h"
 #include "preprocess/command/scan_info.h"
@@ -11,13 +9,23 @@
 namespace glowworm {
 namespace {
 
-/// By content, not by name; a file that cannot be read is left to the scan readers' sentence.
-bool is_octree_file(const std::filesystem::path& path) {
-    char start[sizeof(kMagic)] = {};
+/// A file of ours that is neither, so that the sentence says what it is.
+void refuse_json(const std::filesystem::path& path) {
     std::error_code ignored;
-    if (!std::filesystem::is_regular_file(path, ignored)) return false;
-    std::ifstream(path, std::ios::binary).read(start, sizeof(start));
-    return std::memcmp(start, kMagic, sizeof(kMagic)) == 0;
+    if (!std::filesystem::is_regular_file(path, ignored)) return;
+    std::string start(4096, '\0');
+    std::ifstream stream(path, std::ios::binary);
+    stream.read(start.data(), static_cast<std::streamsize>(start.size()));
+    start.resize(static_cast<std::size_t>(stream.gcount()));
+    const std::size_t first = start.find_first_not_of(" \t\r\n");
+    if (first == std::string::npos || start[first] != '{') return;
+    const bool poses = start.find("T_world_scan") != std::string::npos;
+    throw Error(ExitCode::kUnreadable,
+                "'" + path.string() + "' is " +
+                    (poses ? "a poses.json, the scans' poses and how far each is trusted, as "
+                             "`glowworm merge --poses` takes it; "
+                           : "JSON; ") +
+                    "info reads scans and octree files");
 }
 
 }  // namespace
@@ -30,6 +38,7 @@ void add_info_command(Program& program) {
     auto flags = std::make_shared<Flags>();
     CLI::App* command =
         program.add("info", "what is in an octree file or a scan", false, [flags](Run& run) {
+            refuse_json(flags->file);
             return is_octree_file(flags->file) ? octree_info(flags->file, run.flags.json)
                                                : scan_info(flags->file, flags->read, run);
         });

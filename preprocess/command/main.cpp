@@ -1,42 +1,50 @@
 #include <fmt/format.h>
-#include <spdlog/sinks/basic_file_sink.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
+#include <unistd.h>
 
 #include <exception>
 #include <new>
 
 #include "octree/error.h"
 #include "preprocess/command/command.h"
+#include "preprocess/command/config_file.h"
+#include "preprocess/command/log_file.h"
+#include "preprocess/command/memory_limit.h"
 
 namespace glowworm {
 namespace {
 
-void set_up_logging(const SharedFlags& flags) {
-    std::vector<spdlog::sink_ptr> sinks{std::make_shared<spdlog::sinks::stderr_color_sink_st>()};
-    if (!flags.log_file.empty()) {
-        try {
-            sinks.push_back(
-                std::make_shared<spdlog::sinks::basic_file_sink_st>(flags.log_file.string()));
-        } catch (const spdlog::spdlog_ex&) {
-            throw Error(ExitCode::kUnreadable,
-                        "cannot write the log file '" + flags.log_file.string() + "'");
-        }
+/// What CLI11 only says "A subcommand is required" for.
+void require_known_command(const CLI::App& app, const std::vector<std::string>& words) {
+    std::string names;
+    for (const CLI::App* command : app.get_subcommands({})) {
+        if (!words.empty() && words[0] == command->get_name()) return;
+        names += (names.empty() ? "" : ", ") + command->get_name();
     }
-    auto logger = std::make_shared<spdlog::logger>("glowworm", sinks.begin(), sinks.end());
-    logger->set_pattern("%^%l%$: %v");
-    logger->set_level(flags.quiet     ? spdlog::level::err
-                      : flags.verbose ? spdlog::level::debug
-                                      : spdlog::level::info);
-    spdlog::set_default_logger(std::move(logger));
+    if (!words.empty() && words[0].starts_with('-')) return;
+    throw Error(ExitCode::kUsage,
+                words.empty()
+                    ? fmt::format("which command? There are {}; `glowworm --help` says more", names)
+                    : fmt::format("there is no command '{}'; there are {}", words[0], names));
+}
+
+void require_folders(const SharedFlags& flags) {
+    std::error_code ignored;
+    if (!flags.temp_dir.empty() && (!std::filesystem::is_directory(flags.temp_dir, ignored) ||
+                                    ::access(flags.temp_dir.c_str(), W_OK) != 0)) {
+        throw Error(ExitCode::kUnreadable,
+                    fmt::format("--temp-dir '{}' is no folder that may be written; make it first",
+                                flags.temp_dir.string()));
+    }
 }
 
 int run(int argc, char** argv) {
     CLI::App app{"Turns raw LiDAR scans of caves into lit, walkable octrees.", "glowworm"};
     app.set_version_flag("--version", "glowworm " GLOWWORM_VERSION);
     app.set_config("--config", "", "read flags from this TOML file; the command line wins");
+    app.config_formatter(std::make_shared<ConfigFile>(app));
     app.require_subcommand(1);
 
     SharedFlags flags;
@@ -52,6 +60,7 @@ int run(int argc, char** argv) {
     add_diff_command(program);
     add_extract_command(program);
 
+    require_known_command(app, {argv + 1, argv + argc});
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -61,13 +70,14 @@ int run(int argc, char** argv) {
                     fmt::format("{}; `glowworm --help` shows what there is", error.what()));
     }
 
-    set_up_logging(flags);
-    install_cancel_handlers();
-    const tbb::global_control threads(
-        tbb::global_control::max_allowed_parallelism,
-        static_cast<std::size_t>(flags.threads > 0 ? flags.threads
-                                                   : tbb::info::default_concurrency()));
     if (!flags.output.empty()) require_writable_output(flags.output, flags.force);
+    require_folders(flags);
+    set_up_log(flags, *app.get_subcommands().front());
+    install_signal_handlers();
+    const int threads = flags.threads > 0 ? flags.threads : tbb::info::default_concurrency();
+    const tbb::global_control at_most(tbb::global_control::max_allowed_parallelism,
+                                      static_cast<std::size_t>(threads));
+    limit_memory(flags.memory_limit, threads);
 
     Console console(
         progress_mode(flags.quiet && flags.progress == "auto" ? "none" : flags.progress));
@@ -78,7 +88,7 @@ int run(int argc, char** argv) {
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
         throw Error(ExitCode::kBudget, "cannot write the result to standard output");
     }
-    if (!flags.output.empty()) spdlog::info("wrote {}", flags.output.string());
+    if (!flags.output.empty() && !flags.dry_run) spdlog::info("wrote {}", flags.output.string());
     return static_cast<int>(ExitCode::kDone);
 }
 
@@ -97,7 +107,8 @@ int main(int argc, char** argv) {
     } catch (const glowworm::Error& error) {
         return glowworm::say(error.code(), error.what());
     } catch (const std::bad_alloc&) {
-        return glowworm::say(ExitCode::kBudget, "out of memory; use fewer scans or larger voxels");
+        return glowworm::say(ExitCode::kBudget,
+                             "out of memory; give more with --memory-limit, or use fewer scans");
     } catch (const std::exception& error) {
         return glowworm::say(ExitCode::kInternal, fmt::format("internal error: {}", error.what()));
     }

@@ -65,7 +65,7 @@ void add_merge_command(Program& program) {
     command
         ->add_option("--spacing", flags->settings.merge.spacing,
                      "even spacing of the result, m; 0: the scans' own")
-        ->check(CLI::NonNegativeNumber);
+        ->check(finite(0.0, 1e6));
     command->add_flag("--balance-colour", flags->settings.merge.balance_colour,
                       "make the scans' colours agree where they overlap");
     command->add_flag("--allow-missing-scans", flags->settings.allow_missing_scans,

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
+#include <fstream>
 
+#include "octree/node_layout.h"
 #include "octree/statistics.h"
 #include "preprocess/command/command.h"
 
@@ -114,6 +117,14 @@ void print(const OctreeStatistics& s, const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+bool is_octree_file(const std::filesystem::path& path) {
+    char start[sizeof(kMagic)] = {};
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(path, ignored)) return false;
+    std::ifstream(path, std::ios::binary).read(start, sizeof(start));
+    return std::memcmp(start, kMagic, sizeof(kMagic)) == 0;
+}
 
 Json octree_info(const std::filesystem::path& path, bool json) {
     const OctreeFile file = OctreeFile::open(path);

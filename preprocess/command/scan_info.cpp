@@ -99,9 +99,9 @@ void print(const ScanDescription& scan) {
 Json scan_info(const std::filesystem::path& path, const ReadSettings& settings, Run& run) {
     const ScanFileDescription file = describe_scan_file(path, settings);
     if (!run.flags.json) {
-        fmt::print("{}: {} {}, {}, {} points, {} scans\n", path.string(), file.format.name,
-                   file.format.version, format_bytes(file.bytes), format_count(file.points),
-                   file.scans.size());
+        fmt::print("{}: {} {}, {}, {}, {}\n", path.string(), file.format.name, file.format.version,
+                   format_bytes(file.bytes), format_number_of(file.points, "point"),
+                   format_number_of(file.scans.size(), "scan"));
         for (const ScanDescription& scan : file.scans)
             print(scan);
     }

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <sstream>
-
 #include "octree/error.h"
 #include "octree/links.h"
 #include "octree/scene.h"
@@ -12,6 +10,18 @@
 #include "preprocess/provenance.h"
 
 namespace glowworm {
+
+CLI::Validator finite(double low, double high) {
+    const auto check = [low, high](std::string& text) {
+        double value = 0.0;
+        const bool number = CLI::detail::lexical_cast(text, value);
+        // A NaN is in no range.
+        return number && value >= low && value <= high
+                   ? std::string()
+                   : fmt::format("{} is not a number from {} to {}", text, low, high);
+    };
+    return {check, fmt::format("{} to {}", low, high)};
+}
 
 void RegistrationFlags::add_to(CLI::App& command) {
     command.add_option("--poses", poses,
@@ -47,7 +57,7 @@ void BuildFlags::add_to(CLI::App& command) {
                         "point spacing where neither this nor --voxel-size is given")
             ->check(CLI::Range(1u, kMaxDepth));
     command.add_option("--voxel-size", voxel_size, "edge of a leaf at most this, m")
-        ->check(CLI::PositiveNumber)
+        ->check(finite(1e-6, 1e6))
         ->excludes(by_depth);
     command.add_option("--lights", lights,
                        "scene.json whose area lights become samples of the tree");
@@ -96,7 +106,7 @@ void add_surface_flags(CLI::App& command, SurfaceSettings& settings) {
     command
         .add_option("--default-albedo", settings.default_albedo,
                     "linear albedo of points without colour or intensity")
-        ->check(CLI::Range(0.0f, 1.0f));
+        ->check(finite(0.0, 1.0));
 }
 
 void bake_links(Octree& octree, std::uint32_t links, const Progress& progress) {
@@ -153,14 +163,15 @@ void say_octree(const OctreeView& octree) {
 }
 
 void say_trust(const Registration& registration) {
-    std::istringstream lines(trust_table(registration));
-    for (std::string line; std::getline(lines, line);)
-        spdlog::info("{}", line);
+    std::string table = trust_table(registration);
+    while (table.ends_with('\n'))
+        table.pop_back();
+    spdlog::info("how far each scan is trusted:\n{}", table);
     if (registration.weak > 0) {
         spdlog::warn(
-            "{} scans can shift or turn along a direction that their surfaces do not hold: see "
+            "{} can shift or turn along a direction that their surfaces do not hold: see "
             "weak_axes in the poses",
-            registration.weak);
+            format_number_of(registration.weak, "scan"));
     }
 }
 

@@ -44,6 +44,9 @@ struct BuildFlags {
                            const std::vector<std::filesystem::path>& inputs) const;
 };
 
+/// A number within the range; never NaN, which CLI::Range lets pass.
+CLI::Validator finite(double low, double high);
+
 void add_read_flags(CLI::App& command, ReadSettings& settings);
 void add_surface_flags(CLI::App& command, SurfaceSettings& settings);
 

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "preprocess/command/command.h"
+
+namespace glowworm {
+
+/// Sets up what the program says on stderr and, with --log-file, in a file as well. Throws Error
+/// (kUsage) where that file is one the `command` was given for something else, or holds a scan or
+/// an octree, (kUnreadable) where it cannot be written. A log that cannot be written later, because
+/// the disk is full, is given up; the work goes on.
+void set_up_log(const SharedFlags& flags, const CLI::App& command);
+
+}  // namespace glowworm

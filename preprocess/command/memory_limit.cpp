@@ -1,0 +1,58 @@
+#include "preprocess/command/memory_limit.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+
+#include "octree/error.h"
+
+namespace glowworm {
+namespace {
+
+constexpr std::uint64_t kProgramPages = 40'000'000;  // libraries' code and tables, measured
+constexpr std::uint64_t kStack = 8'388'608;  // counted whole by the system, hardly ever touched
+
+/// What a unit stands for; 0 where it is none.
+double unit_bytes(std::string unit) {
+    for (char& c : unit)
+        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (unit.empty() || unit == "b") return 1.0;
+    const std::size_t power = std::string("kmgt").find(unit[0]);
+    if (power == std::string::npos) return 0.0;
+    const std::string rest = unit.substr(1);
+    if (rest.empty() || rest == "b") return std::pow(1000.0, double(power) + 1.0);
+    return rest == "ib" || rest == "i" ? std::pow(1024.0, double(power) + 1.0) : 0.0;
+}
+
+}  // namespace
+
+std::uint64_t parse_size(const std::string& text) {
+    double number = 0.0;
+    const char* end = text.data() + text.size();
+    const auto parsed = std::from_chars(text.data(), end, number, std::chars_format::fixed);
+    std::string unit(parsed.ptr, end);
+    unit.erase(0, unit.find_first_not_of(' ') == std::string::npos ? unit.size()
+                                                                   : unit.find_first_not_of(' '));
+    const double bytes = number * unit_bytes(unit);
+    if (parsed.ec != std::errc() || !(bytes >= 1.0) || !(bytes < 1e18)) {
+        throw Error(ExitCode::kUsage,
+                    fmt::format("'{}' is no size; write it as 512M, 8G or 1.5GiB", text));
+    }
+    return static_cast<std::uint64_t>(bytes);
+}
+
+void limit_memory(std::uint64_t bytes, int threads) {
+    if (bytes == 0) return;
+    const std::uint64_t usable = bytes - std::min(bytes / 2, kProgramPages) +
+                                 kStack * static_cast<std::uint64_t>(std::max(threads, 1));
+    struct rlimit limit = {};
+    if (::getrlimit(RLIMIT_DATA, &limit) != 0) return;
+    limit.rlim_cur = std::min<rlim_t>(usable, limit.rlim_max);
+    ::setrlimit(RLIMIT_DATA, &limit);
+}
+
+}  // namespace glowworm
