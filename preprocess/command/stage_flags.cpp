@@ -132,7 +132,10 @@ nlohmann::ordered_json surface_json(const SurfaceReport& report) {
             {"not_finite", report.not_finite},
             {"duplicates", report.duplicates},
             {"isolated", report.isolated},
+            {"weak", report.weak},
             {"unsure_side", report.unsure_side},
+            {"facing_inside", report.facing_inside},
+            {"facing_outside", report.facing_outside},
             {"orientation", describe(report.orientation)},
             {"albedo", describe(report.albedo)},
             {"range_noise", report.range_noise},
@@ -151,6 +154,16 @@ void say_surface(const SurfaceReport& report) {
         "{} surfels of {} points; normals turned by {}, {} with a side that nothing decided",
         format_count(report.surfels), format_count(report.points), describe(report.orientation),
         format_count(report.unsure_side));
+    if (report.facing_outside > 0) {
+        spdlog::info(
+            "{} points face outward: what they enclose is too narrow for a scanner to have stood "
+            "in",
+            format_count(report.facing_outside));
+    }
+    if (report.weak > 0) {
+        spdlog::info("{} normals are weakly determined: expected to be off by more than 11 degrees",
+                     format_count(report.weak));
+    }
     spdlog::info("albedo from {}; range noise {:.1f} mm; spacing {:.1f} mm; mean NDF length {:.3f}",
                  describe(report.albedo), report.range_noise * 1e3, report.median_spacing * 1e3,
                  report.mean_ndf_length);

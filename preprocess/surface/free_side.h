@@ -1,34 +1,27 @@
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
-#include "preprocess/surface/normals.h"
+#include "preprocess/surface/normal_patches.h"
 
 namespace glowworm {
 
-/// For points whose side is unknown: which is the free one. Rays leave both sides of a point and
-/// march through the cloud's coarse occupancy; on the passage's side they end on a surface that is
-/// turned toward them or away, behind it they mostly run out into rock that nobody saw.
-class FreeSide {
-  public:
-    /// Cells of `cell` metres, at least 2^21 to a side of the cloud.
-    FreeSide(const SurfacePoints& points, float cell);
+/// What rays that leave the patches on both sides found.
+struct SideEvidence {
+    /// Two surfaces that see each other both show their free side or both their hidden one.
+    std::vector<PatchLink> links;
 
-    /// Rays that ended on a surface on the side of `normal`, minus those behind, of point i; each
-    /// between 0 and kRays.
-    int vote(std::size_t i, const Vec3f& normal) const;
-
-    static constexpr int kRays = 5;
-
-  private:
-    bool is_occupied(const Vec3d& cell) const;
-
-    const SurfacePoints* points_;
-    Vec3d low_;
-    double cell_;
-    int steps_;
-    std::vector<std::uint64_t> codes_;  // sorted Morton codes of occupied cells
+    /// [patches] Per side, the front being that of the patch: rays that ended on a surface, those
+    /// that left the cloud, and how far the former went, m.
+    struct Side {
+        double hits = 0.0, escapes = 0.0, distance = 0.0;
+    };
+    std::vector<Side> front, back;
 };
+
+/// Casts rays from points spread evenly over the patches through the cloud's discs. Time bounded by
+/// some hundred thousand rays; in parallel.
+SideEvidence look_around(const SurfacePoints& points, const std::vector<LocalPlane>& planes,
+                         const NormalPatches& patches);
 
 }  // namespace glowworm

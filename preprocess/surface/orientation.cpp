@@ -4,12 +4,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <utility>
 
-#include "octree/error.h"
 #include "preprocess/surface/free_side.h"
-#include "preprocess/surface/parity_forest.h"
 
 namespace glowworm {
 namespace {
@@ -18,11 +16,12 @@ namespace {
 /// off by a few degrees.
 constexpr float kFlatView = 0.15f;
 
-/// Edges of the spanning tree are packed: a point in the upper bits, a column of the table below.
-constexpr std::uint32_t kColumnBits = 4;
+/// Share of a component's rays by which one side must be the more open one to tell them apart.
+constexpr double kClearBalance = 0.02;
 
-/// Points of a component that vote on its free side.
-constexpr std::size_t kVoters = 512;
+/// A closed side whose chords are shorter than this on average, m, holds no scanner: what was
+/// scanned is a thing, from outside. The chords of a tube are as long as it is wide.
+constexpr double kNarrowest = 0.4;
 
 bool has_normal(const LocalPlane& plane) {
     return plane.area > 0.0f;
@@ -77,114 +76,103 @@ std::size_t face_stations(const SurfacePoints& points, const NeighbourTable& tab
     return unclear;
 }
 
-/// Kruskal's minimal spanning forest over the table, the most parallel normals first. Weights in
-/// 256 steps, so that sorting is counting and the order does not depend on threads.
-ParityForest spanning_forest(const SurfacePoints& points, const NeighbourTable& table,
-                             const std::vector<LocalPlane>& planes) {
-    const std::size_t n = points.size();
-    if (n >> (32 - kColumnBits) != 0 || table.count > 1 << kColumnBits) {
-        throw Error(
-            ExitCode::kBudget,
-            "More than 268 million points cannot be oriented at once without stations; thin "
-            "the cloud or split it.");
-    }
-    const auto weight = [&](std::size_t i, std::size_t j) {
-        const float c = std::abs(dot(planes[i].normal, planes[j].normal));
-        return static_cast<std::size_t>(std::clamp((1.0f - c) * 255.0f, 0.0f, 255.0f));
-    };
-    const auto for_each_edge = [&](auto visit) {
-        for (std::size_t i = 0; i < n; ++i) {
-            if (!has_normal(planes[i])) continue;
-            const auto row = table.of(i);
-            for (std::size_t c = 0; c < row.size(); ++c) {
-                const std::size_t j = row[c];
-                // Of two that are each other's neighbours the first has the edge.
-                if (j < i && std::ranges::find(table.of(j), i) != table.of(j).end()) continue;
-                if (has_normal(planes[j])) visit(i, c, weight(i, j));
-            }
-        }
-    };
-    std::array<std::size_t, 257> begin{};
-    for_each_edge([&](std::size_t, std::size_t, std::size_t w) { ++begin[w + 1]; });
-    for (std::size_t w = 0; w < 256; ++w)
-        begin[w + 1] += begin[w];
-    std::vector<std::uint32_t> edges(begin[256]);
-    for_each_edge([&](std::size_t i, std::size_t c, std::size_t w) {
-        edges[begin[w]++] = static_cast<std::uint32_t>(i << kColumnBits | c);
-    });
+/// Where the sides of a component, its front and its back, lead.
+struct ComponentSides {
+    SideEvidence::Side front, back;
+    double up = 0.0;    ///< m²: area seen from above minus that seen from below
+    double area = 0.0;  ///< m²
+    std::size_t points = 0;
+};
 
-    ParityForest forest(n);
-    for (const std::uint32_t edge : edges) {
-        const std::uint32_t i = edge >> kColumnBits;
-        const std::uint32_t j = table.of(i)[edge & ((1u << kColumnBits) - 1)];
-        forest.join(i, j, dot(planes[i].normal, planes[j].normal) < 0.0f);
-    }
-    return forest;
+void add(SideEvidence::Side& sum, const SideEvidence::Side& side) {
+    sum.hits += side.hits;
+    sum.escapes += side.escapes;
+    sum.distance += side.distance;
 }
 
-/// Turns the points without a station. A component's side is the one its points with stations
-/// have, weighted by how squarely they were seen, else the one its voters see surface from.
-std::size_t propagate(const SurfacePoints& points, const NeighbourTable& table, float spacing,
-                      std::vector<LocalPlane>& planes) {
+/// Whether the back is the free side, and which evidence said so.
+std::pair<bool, FreeSideRule> free_side_of(const ComponentSides& sides) {
+    const double rays = sides.front.hits + sides.front.escapes;
+    const double balance = sides.back.escapes - sides.front.escapes;
+    if (std::abs(balance) < kClearBalance * rays || rays == 0.0) {
+        return {sides.up < 0.0, FreeSideRule::kUnclear};
+    }
+    const SideEvidence::Side& closed = balance > 0.0 ? sides.front : sides.back;
+    const bool holds_a_scanner = closed.distance > kNarrowest * closed.hits;
+    if (!holds_a_scanner) return {balance > 0.0, FreeSideRule::kOpenSide};
+    return {balance < 0.0, FreeSideRule::kClosedSide};
+}
+
+/// Turns the points without a station: patches of neighbours that agree are joined to components by
+/// what their borders and the rays between them say, and by the stations that saw some of them; a
+/// component that no station saw faces its free side.
+void propagate(const SurfacePoints& points, const NeighbourTable& table, float noise,
+               std::vector<LocalPlane>& planes, OrientationReport& report) {
     const std::size_t n = points.size();
-    ParityForest forest = spanning_forest(points, table, planes);
-    std::vector<std::uint32_t> root(n);
-    std::vector<std::uint32_t> size(n, 0);
-    std::vector<double> side(n, 0.0);
+    const NormalPatches patches = make_normal_patches(points, table, planes, noise);
+    const SideEvidence seen = look_around(points, planes, patches);
+
+    // One patch more stands for all stations: its front is what they see.
+    const auto stations = static_cast<std::uint32_t>(patches.count);
+    std::vector<PatchLink> links = link_neighbours(points, table, planes, patches, noise);
+    links.insert(links.end(), seen.links.begin(), seen.links.end());
+    for (std::size_t i = 0; i < n && report.toward_stations > 0; ++i) {
+        const float cosine = view_cosine(points, planes[i], i);
+        const std::uint32_t of = patches.of[i];
+        if (cosine != 0.0f) links.push_back({of >> 1, stations, of & 1 ? -cosine : cosine});
+    }
+    links = sum_links(std::move(links));
+    const std::vector<std::uint32_t> component = join_patches(patches.count + 1, links);
+    links = {};
+
+    std::vector<ComponentSides> sides(patches.count + 1);
+    for (std::size_t p = 0; p < patches.count; ++p) {
+        ComponentSides& whole = sides[component[p] >> 1];
+        const bool turned = component[p] & 1;
+        add(whole.front, turned ? seen.back[p] : seen.front[p]);
+        add(whole.back, turned ? seen.front[p] : seen.back[p]);
+    }
+    const auto is_turned = [&](std::size_t i) {
+        return ((component[patches.of[i] >> 1] ^ patches.of[i]) & 1) != 0;
+    };
     for (std::size_t i = 0; i < n; ++i) {
-        const auto [r, opposite] = forest.find(static_cast<std::uint32_t>(i));
-        root[i] = r << 1 | static_cast<std::uint32_t>(opposite);
-        if (!has_normal(planes[i])) continue;
-        ++size[r];
-        const double cosine = view_cosine(points, planes[i], i);
-        side[r] += opposite ? -cosine : cosine;
+        if (patches.of[i] == kNoPatch) continue;
+        ComponentSides& whole = sides[component[patches.of[i] >> 1] >> 1];
+        const double up = static_cast<double>(planes[i].normal.z) * planes[i].area;
+        whole.up += is_turned(i) ? -up : up;
+        ++whole.points;
     }
 
-    // The voters of a component are spread evenly over it.
-    std::vector<std::uint32_t> voters, seen(n, 0);
-    for (std::size_t i = 0; i < n; ++i) {
-        const std::uint32_t r = root[i] >> 1;
-        if (!has_normal(planes[i]) || side[r] != 0.0) continue;
-        const std::size_t every = std::max<std::size_t>(size[r] / kVoters, 1);
-        if (seen[r]++ % every == 0) voters.push_back(static_cast<std::uint32_t>(i));
-    }
-    std::vector<double> votes(n, 0.0);
-    if (!voters.empty()) {
-        const FreeSide free_side(points, 3.0f * spacing);
-        std::vector<int> balance(voters.size());
-        tbb::parallel_for(std::size_t{0}, voters.size(), [&](std::size_t v) {
-            balance[v] = free_side.vote(voters[v], planes[voters[v]].normal);
-        });
-        for (std::size_t v = 0; v < voters.size(); ++v) {
-            const std::uint32_t r = root[voters[v]];
-            votes[r >> 1] += r & 1 ? -balance[v] : balance[v];
+    std::vector<std::uint8_t> back_is_free(patches.count + 1, 0);
+    for (std::size_t c = 0; c < sides.size(); ++c) {
+        if (sides[c].points == 0) continue;
+        if (c == component[stations] >> 1) {
+            back_is_free[c] = component[stations] & 1;
+            continue;
         }
+        const auto [back, rule] = free_side_of(sides[c]);
+        back_is_free[c] = back;
+        report.by_rule[static_cast<std::size_t>(rule)] += sides[c].points;
     }
-
-    std::size_t unsure = 0;
     for (std::size_t i = 0; i < n; ++i) {
-        if (!has_normal(planes[i]) || points.is_viewed(i)) continue;
-        const std::uint32_t r = root[i] >> 1;
-        const double decided = side[r] != 0.0 ? side[r] : votes[r];
-        const bool opposite = root[i] & 1;
-        if (opposite != (decided < 0.0)) turn(planes[i]);
-        const double cast = std::min<double>(size[r], kVoters) * FreeSide::kRays;
-        if (side[r] == 0.0 && std::abs(votes[r]) < 0.05 * cast) ++unsure;
+        if (patches.of[i] == kNoPatch || points.is_viewed(i)) continue;
+        const bool back = back_is_free[component[patches.of[i] >> 1] >> 1] != 0;
+        if (is_turned(i) != back) turn(planes[i]);
     }
-    return unsure;
 }
 
 }  // namespace
 
 OrientationReport orient_normals(const SurfacePoints& points, const NeighbourTable& table,
-                                 float spacing, std::vector<LocalPlane>& planes) {
+                                 float noise, std::vector<LocalPlane>& planes) {
     OrientationReport report;
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (!has_normal(planes[i])) continue;
         ++(points.is_viewed(i) ? report.toward_stations : report.propagated);
     }
     if (report.toward_stations > 0) report.unsure += face_stations(points, table, planes);
-    if (report.propagated > 0) report.unsure += propagate(points, table, spacing, planes);
+    if (report.propagated > 0) propagate(points, table, noise, planes, report);
+    report.unsure += report.of(FreeSideRule::kUnclear);
     return report;
 }
 

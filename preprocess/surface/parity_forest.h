@@ -41,8 +41,13 @@ class ParityForest {
         auto [root_b, parity_b] = find(b);
         if (root_a == root_b) return false;
         if (root_b < root_a) std::swap(root_a, root_b);
-        link_[root_b] = root_a << 1 | static_cast<std::uint32_t>(parity_a ^ parity_b ^ opposite);
+        hang(root_b, root_a, parity_a ^ parity_b ^ opposite);
         return true;
+    }
+
+    /// Puts the component of one root under another root, to which it is opposite or equal.
+    void hang(std::uint32_t root, std::uint32_t under, bool opposite) {
+        link_[root] = under << 1 | static_cast<std::uint32_t>(opposite);
     }
 
   private:

@@ -145,8 +145,10 @@ SurfelCloud make_surfels(const PointCloud& cloud, const SurfaceSettings& setting
     if (settings.sharp_edges) report.edges = sharpen_edges(points, fit, table, planes);
 
     const float spacing = median_spacing(planes);
-    const OrientationReport sides = orient_normals(points, table, spacing, planes);
+    const OrientationReport sides = orient_normals(points, table, fit.range_noise, planes);
     report.unsure_side = sides.unsure;
+    report.facing_inside = sides.of(FreeSideRule::kClosedSide);
+    report.facing_outside = sides.of(FreeSideRule::kOpenSide);
     report.orientation = sides.propagated == 0        ? Orientation::kStations
                          : sides.toward_stations == 0 ? Orientation::kPropagation
                                                       : Orientation::kMixed;

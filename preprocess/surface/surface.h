@@ -53,6 +53,10 @@ struct SurfaceReport {
     std::size_t weak = 0;         ///< expected angle error above 0.2 rad
     std::size_t unsure_side = 0;  ///< facing a side that nothing decided clearly
 
+    /// Points without a station that face the side on which rays end on surface (a passage's
+    /// inside), and those that face the other one, the closed side being too narrow for a scanner.
+    std::size_t facing_inside = 0, facing_outside = 0;
+
     Orientation orientation = Orientation::kStations;
     AlbedoSource albedo = AlbedoSource::kDefault;
     double range_noise = 0.0;     ///< m, one standard deviation

@@ -37,6 +37,18 @@ inline Accuracy compare(std::span<const Surfel> surfels, std::span<const Vec3f> 
     return accuracy;
 }
 
+/// The normals of the points that became surfels: the others were left out, the order stayed.
+inline std::vector<Vec3f> truth_of(std::span<const Surfel> surfels, const Shape& shape) {
+    std::vector<Vec3f> truth;
+    std::size_t next = 0;
+    for (const Surfel& surfel : surfels) {
+        while (!(shape.cloud.points.positions[next] == surfel.position))
+            ++next;
+        truth.push_back(shape.normals[next++]);
+    }
+    return truth;
+}
+
 inline void print(const char* what, const Accuracy& a, const SurfaceReport& report) {
     std::printf(
         "%-28s median %.2f deg, 95 %% %.2f deg, right side %.3f %%, noise %.2f mm, "

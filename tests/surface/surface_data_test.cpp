@@ -54,15 +54,8 @@ void see_from(Shape& shape, const std::vector<Vec3d>& viewpoints) {
 testing::Accuracy measure(const char* what, const Shape& shape) {
     SurfaceReport report;
     const SurfelCloud cloud = make_surfels(shape.cloud, {}, &report);
-    // Isolated points are left out; the others keep their order.
-    std::vector<Vec3f> truth;
-    std::size_t next = 0;
-    for (const Surfel& surfel : cloud.surfels) {
-        while (!(shape.cloud.points.positions[next] == surfel.position))
-            ++next;
-        truth.push_back(shape.normals[next++]);
-    }
-    const testing::Accuracy accuracy = testing::compare(cloud.surfels, truth);
+    const testing::Accuracy accuracy =
+        testing::compare(cloud.surfels, testing::truth_of(cloud.surfels, shape));
     testing::print(what, accuracy, report);
     return accuracy;
 }

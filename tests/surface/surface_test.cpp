@@ -17,13 +17,14 @@ namespace {
 using testing::Accuracy;
 using testing::Shape;
 
-/// Makes surfels of a shape none of whose points are left out, prints and returns how true they
-/// are.
+/// Makes surfels of a shape, prints and returns how true they are. Next to none of the points may
+/// be left out.
 Accuracy measure(const char* what, const Shape& shape, SurfaceReport* report_out = nullptr) {
     SurfaceReport report;
     const SurfelCloud cloud = make_surfels(shape.cloud, {}, &report);
-    EXPECT_EQ(cloud.surfels.size(), shape.normals.size());
-    const Accuracy accuracy = testing::compare(cloud.surfels, shape.normals);
+    EXPECT_GT(cloud.surfels.size(), shape.normals.size() * 999 / 1000);
+    const Accuracy accuracy =
+        testing::compare(cloud.surfels, testing::truth_of(cloud.surfels, shape));
     testing::print(what, accuracy, report);
     if (shape.area > 0.0) std::printf("    area of the discs: %.4f\n", accuracy.area / shape.area);
     if (report_out) *report_out = report;
@@ -133,6 +134,63 @@ TEST(Surface, WithoutStationsClosedAndOpenPassagesFaceTheirInside) {
         EXPECT_GT(measure(name, without_viewpoints(shape), &report).right_side, 0.99) << name;
         EXPECT_EQ(report.orientation, Orientation::kPropagation);
     }
+}
+
+TEST(Surface, WithoutStationsASmallThingFacesOutward) {
+    // 20 cm across: nobody stood inside.
+    Shape ball = testing::make_sphere(20000, 0.1);
+    for (Vec3f& normal : ball.normals)
+        normal = -normal;
+    testing::add_noise(ball, 0.0003);
+    SurfaceReport report;
+    EXPECT_EQ(measure("ball", without_viewpoints(ball), &report).right_side, 1.0);
+    EXPECT_EQ(report.facing_outside, report.surfels);
+}
+
+TEST(Surface, WithoutStationsABoxInARoomFacesTheRoom) {
+    // A closed box on a wall of the room: seen alone, its inside looks like a passage, and where
+    // it stands its walls meet the floor inside as they do outside.
+    Shape shape = testing::make_room(60000);
+    testing::Random random(3);
+    for (int i = 0; i < 10000; ++i) {
+        const int face = static_cast<int>(random.uniform(0.0, 5.0));
+        Vec3d p{random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3)};
+        Vec3d normal{};
+        const int axis = face / 2;
+        const double side = face % 2 ? -1.0 : 1.0;
+        p[axis] = 0.3 * side;
+        normal[axis] = side;
+        testing::add_point(shape, p + Vec3d{0.1, 0.2, -0.7}, normal);
+    }
+    shape.area += 5 * 0.36;
+    testing::add_noise(shape, 0.003);
+    EXPECT_GT(measure("box in a room", without_viewpoints(shape)).right_side, 0.99);
+}
+
+TEST(Surface, WithoutStationsBothSidesOfACurtainFaceTheRoom) {
+    Shape shape = testing::make_room(60000);
+    const Shape curtain = testing::make_curtain(10000, 0.05);
+    for (std::size_t i = 0; i < curtain.normals.size(); ++i) {
+        const Vec3f p = curtain.cloud.points.positions[i] + Vec3f{-0.5f, 0.1f, 0.0f};
+        testing::add_point(shape, vec3_cast<double>(p), vec3_cast<double>(curtain.normals[i]));
+    }
+    shape.area += 2.0;
+    testing::add_noise(shape, 0.003);
+    EXPECT_GT(measure("curtain in a room", without_viewpoints(shape)).right_side, 0.99);
+}
+
+TEST(Surface, GroundThatNothingEnclosesFacesUp) {
+    Shape ground;
+    testing::Random random;
+    for (int i = 0; i < 20000; ++i) {
+        const double x = random.uniform(-5, 5), y = random.uniform(-5, 5);
+        const double slope = 0.3 * std::cos(x);
+        testing::add_point(ground, {x, y, 0.3 * std::sin(x)}, normalized(Vec3d{-slope, 0.0, 1.0}));
+    }
+    ground.cloud.stations = {testing::station_at({}, false)};
+    SurfaceReport report;
+    EXPECT_EQ(measure("ground", ground, &report).right_side, 1.0);
+    EXPECT_EQ(report.unsure_side, report.surfels);
 }
 
 TEST(Surface, PointsWithoutAStationFollowTheirNeighboursThatHaveOne) {
