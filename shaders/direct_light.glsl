@@ -10,6 +10,10 @@
 #define AREA_PHASE 0.5   // where in its cell of the rectangle a sample lies, 0..1 along both edges
 #endif
 
+#ifndef EACH_SAMPLE
+#define EACH_SAMPLE(to_light, irradiance)   // what a pass makes of a sample seen, by unit intensity
+#endif
+
 layout(std430, binding = BINDING_LIGHTS) readonly buffer Lights { Light lights[]; };
 
 // Blender's spot: I cos(theta) smoothstep over the outer part of the cone. 1 on the axis.
@@ -32,6 +36,7 @@ vec3 irradiance_from_lamp(Light light, vec3 position, vec3 normal, float offset)
     if (!visible_from(position, normal, offset, light.position.xyz, 0u, vec3(0.0))) {
         return vec3(0.0);
     }
+    EACH_SAMPLE(direction, shape * cosine / max(squared, 1e-12));
     return light.intensity.rgb * (shape * cosine / max(squared, 1e-12));
 }
 
@@ -39,6 +44,7 @@ vec3 irradiance_from_lamp(Light light, vec3 position, vec3 normal, float offset)
 vec3 irradiance_from_area(Light light, vec3 position, vec3 normal, float offset, int first_row,
                           int last_row) {
     float area = length(cross(light.edge_u.xyz, light.edge_v.xyz));
+    float area_of_sample = area / float(AREA_SAMPLES * AREA_SAMPLES);
     float sum = 0.0;
     for (int v = first_row; v < last_row; ++v) {
         for (int u = 0; u < AREA_SAMPLES; ++u) {
@@ -49,11 +55,12 @@ vec3 irradiance_from_area(Light light, vec3 position, vec3 normal, float offset,
             float cosines = dot(normal, to_lamp) * -dot(light.axis.xyz, to_lamp) / squared;
             if (dot(normal, to_lamp) <= 0.0 || cosines <= 0.0) continue;
             if (visible_from(position, normal, offset, point, light.tag, light.axis.xyz)) {
+                EACH_SAMPLE(to_lamp * inversesqrt(squared), cosines / squared * area_of_sample);
                 sum += cosines / squared;
             }
         }
     }
-    return light.intensity.rgb * (sum * area / float(AREA_SAMPLES * AREA_SAMPLES));
+    return light.intensity.rgb * (sum * area_of_sample);
 }
 
 // From one light, of an area light the given rows of samples. Passes that may have many lights take

@@ -23,6 +23,7 @@ namespace glowworm::gpu {
 #define BINDING_PANELS (BINDING_FRAME_FIRST + 13)
 #define BINDING_LUMINANCES (BINDING_FRAME_FIRST + 14)
 #define BINDING_RIMS (BINDING_FRAME_FIRST + 15)
+#define BINDING_PIXEL_SPECULAR (BINDING_FRAME_FIRST + 16)
 #define BINDING_VIEW 1
 
 // The camera of viewer/frame/view.h, in the octree's frame.

@@ -53,6 +53,6 @@ bool splat_at(Splat splat, ivec2 pixel, out float depth, out float weight) {
         offset = origin + direction * plane - splat.centre;
     }
     float rim = 1.0 - dot(offset, offset) / (splat.radius * splat.radius);
-    weight = rim * rim;
+    weight = rim * rim * rim * rim;
     return rim > 0.0 && depth > kNearDepth;
 }

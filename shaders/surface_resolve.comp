@@ -7,7 +7,8 @@
 // The sums become a surface per pixel, and the buffers are left clean for the next frame.
 layout(local_size_x = 128) in;
 layout(std430, binding = BINDING_DEPTHS) buffer pixel_depths { uint depths[]; };
-// Normal in the octree's frame, w: depth, 0 where nothing was hit; albedo, w: NDF length.
+// Normal in the octree's frame, w: depth, 0 where nothing was hit; albedo, w: NDF length, that of
+// the mean of the discs' NDF vectors.
 layout(std430, binding = BINDING_PIXEL_SURFACES) writeonly buffer pixel_surfaces { vec4 surfaces[]; };
 layout(std430, binding = BINDING_PIXEL_ALBEDOS) writeonly buffer pixel_albedos { vec4 albedos[]; };
 
@@ -21,8 +22,10 @@ void main() {
     if (weight > 0.0) {
         vec3 normal = octree_from_camera_direction(vec3(normal_sums[pixel].xyz));
         float depth = uintBitsToFloat(depths[pixel]) + float(behind_sums[pixel]) / weight;
-        surface = vec4(normal / max(length(normal), 1e-20), depth);
+        float total = length(normal);
+        surface = vec4(normal / max(total, 1e-20), depth);
         albedo = vec4(albedo_sums[pixel]) / weight;
+        albedo.w *= min(total / weight, 1.0);
     }
     surfaces[pixel] = surface;
     albedos[pixel] = albedo;

@@ -6,7 +6,7 @@ layout(std430, binding = BINDING_BEHIND_SUMS) buffer pixel_behind_sums { int beh
 
 const uint kFarthest = 0x7f800000u;   // depth where nothing was hit: +infinity
 const float kFixedOne = 65536.0;
-const float kLeastWeight = 1.0 / 256.0;
+const float kLeastWeight = 1.0 / 4096.0;
 
 void add_to_surface(uint pixel, float weight, vec3 normal, vec3 albedo, float ndf_length,
                     float behind) {

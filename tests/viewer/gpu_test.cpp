@@ -81,7 +81,7 @@ TEST_F(OwnShaders, AComputePassRunsOverEveryValueOnce) {
     const Program program({"double.comp"});
     const Buffer values = Buffer::of<float>("values", std::vector<float>(1000, 1.5f));
     values.bind_storage(0);
-    PassTimer timer;
+    PassTimer timer(context_.device());
     timer.measure("double", [&] { program.dispatch(1000, 64); });
     EXPECT_THAT(values.read<float>(1000), ::testing::Each(3.0f));
     EXPECT_GT(timer.samples().at("double").front().cpu_ms, 0.0);

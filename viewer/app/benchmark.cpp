@@ -10,12 +10,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json spread_of(const std::vector<PassTimer::Sample>& samples, double PassTimer::Sample::*which) {
-    std::vector<double> ms;
-    for (const PassTimer::Sample& sample : samples)
-        ms.push_back(sample.*which);
+Json spread_of(std::vector<double> ms) {
     std::sort(ms.begin(), ms.end());
     return {{"median", ms[ms.size() / 2]}, {"min", ms.front()}, {"max", ms.back()}};
+}
+
+Json spread_of(const std::vector<PassTimer::Sample>& samples) {
+    std::vector<double> gpu, cpu;
+    for (const PassTimer::Sample& sample : samples) {
+        gpu.push_back(sample.gpu_ms);
+        cpu.push_back(sample.cpu_ms);
+    }
+    return {{"gpu_ms", spread_of(std::move(gpu))}, {"cpu_ms", spread_of(std::move(cpu))}};
 }
 
 }  // namespace
@@ -29,7 +35,7 @@ Json run_benchmark(const Context& context, const Cave& cave, LightField& light, 
     const Texture shown("shown", GL_RGBA8, view.width, view.height);
     const bool bounces = options.bounces != 0;
 
-    PassTimer warm_up, timer;
+    PassTimer warm_up(context.device()), timer(context.device());
     const auto draw = [&](PassTimer& passes) {
         if (bounces) passes.measure("bounce", [&] { light.iterate(1); });
         frame.draw(view, light, 1, &passes);
@@ -44,9 +50,13 @@ Json run_benchmark(const Context& context, const Cave& cave, LightField& light, 
         draw(timer);
 
     Json passes = Json::object();
+    std::vector<PassTimer::Sample> frames(static_cast<std::size_t>(options.frames.value_or(1)));
     for (const auto& [name, samples] : timer.samples()) {
-        passes[name] = {{"gpu_ms", spread_of(samples, &PassTimer::Sample::gpu_ms)},
-                        {"cpu_ms", spread_of(samples, &PassTimer::Sample::cpu_ms)}};
+        passes[name] = spread_of(samples);
+        for (std::size_t i = 0; i < frames.size(); ++i) {
+            frames[i].gpu_ms += samples[i].gpu_ms;
+            frames[i].cpu_ms += samples[i].cpu_ms;
+        }
     }
     const Json stats{{"renderer", context.device().renderer},
                      {"width", view.width},
@@ -55,7 +65,11 @@ Json run_benchmark(const Context& context, const Cave& cave, LightField& light, 
                      {"points", cave.points().surfels.size()},
                      {"points_drawn", frame.surfels_drawn()},
                      {"lobes", cave.light().lobes.size()},
-                     {"passes", passes}};
+                     {"gpu_clock", context.device().software
+                                       ? "wall time of each pass: a software renderer has no GPU"
+                                       : "timer queries"},
+                     {"passes", passes},
+                     {"frame", spread_of(frames)}};
     write_whole(options.stats, stats.dump(2) + "\n");
     return stats;
 }

@@ -87,7 +87,8 @@ void check_combination(const CLI::App& app, const Options& options) {
         }
         return;
     }
-    for (const char* flag : {"--camera", "--size", "--exposure", "--tonemap", "--samples"}) {
+    for (const char* flag : {"--camera", "--size", "--exposure", "--tonemap", "--samples",
+                             "--specular", "--wetness"}) {
         if (app.count(flag) > 0) fail(fmt::format("{} is for frames, not for --probes", flag));
     }
 }
@@ -111,6 +112,8 @@ std::optional<Options> read_options(int argc, char** argv) {
     std::uint32_t light_depth = 0;
     double exposure = 0.0;
     bool converge = false;
+    std::string specular = "off";
+    double wetness = 0.0;
 
     CLI::App app{"Walks through a cave's octree with the light that lamps and walls make.",
                  "glowworm-view"};
@@ -161,6 +164,15 @@ std::optional<Options> read_options(int argc, char** argv) {
                                    ->check(CLI::Range(1u, kMaxDepth));
     app.add_option("--interpolation", interpolation, "between leaves: trilinear or tricubic")
         ->check(CLI::IsMember({"trilinear", "tricubic"}));
+    auto* specular_option =
+        app.add_option("--specular", specular,
+                       "on: walls mirror as if a film of water lay on them; off: they are "
+                       "Lambertian, as a path tracer's diffuse walls are (the default)")
+            ->check(CLI::IsMember({"on", "off"}));
+    auto* wetness_option =
+        app.add_option("--wetness", wetness,
+                       "how much of the walls is wet, 0 to 1; above 0 it turns --specular on")
+            ->check(CLI::Range(0.0, 1.0));
     app.add_option("--samples", options.frame.samples,
                    "a headless pixel is the mean of this many "
                    "squared")
@@ -200,6 +212,11 @@ std::optional<Options> read_options(int argc, char** argv) {
     if (cones_option->count() > 0 || options.light.faithful) {
         options.light.gather = Gather::kCones;
     }
+    if (specular_option->count() > 0 && specular == "off" && wetness > 0.0) {
+        fail("--wetness does not go with --specular off");
+    }
+    if (wetness_option->count() == 0 && specular == "on") wetness = 1.0;
+    options.frame.wetness = static_cast<float>(wetness);
     options.light.tricubic = interpolation == "tricubic";
     for (std::uint32_t i = 0; i < std::size(kToneCurveNames); ++i) {
         if (tonemap == kToneCurveNames[i]) options.display.curve = static_cast<ToneCurve>(i);

@@ -9,7 +9,7 @@ constexpr int kTileEdge = 1024;  // sub-pixels: what the buffers of a tile are s
 
 /// A pixel's sums over its sub-pixels.
 struct PixelSums {
-    Vec3f direct, indirect, emission, albedo, normal;
+    Vec3f direct, indirect, specular, emission, albedo, normal;
     float depth = 0.0f, ndf_length = 0.0f, hits = 0.0f;
 };
 
@@ -20,11 +20,12 @@ Vec3f rgb(const gpu::vec4& v) {
 /// A drawn tile as the GPU left it, read back once.
 struct Tile {
     int width;  ///< sub-pixels
-    std::vector<gpu::vec4> surfaces, albedos, direct, indirect, emission;
+    std::vector<gpu::vec4> surfaces, albedos, direct, indirect, specular, emission;
 
     void add(std::size_t sub_pixel, PixelSums& sums) const {
         sums.direct += rgb(direct[sub_pixel]);
         sums.indirect += rgb(indirect[sub_pixel]);
+        sums.specular += rgb(specular[sub_pixel]);
         sums.emission += rgb(emission[sub_pixel]);
         if (surfaces[sub_pixel].w <= 0.0f) return;
         sums.normal += rgb(surfaces[sub_pixel]);
@@ -40,6 +41,7 @@ void store(const PixelSums& sums, int samples, FrameLayers& layers, std::size_t 
     const float share = 1.0f / static_cast<float>(samples * samples);
     layers.direct[pixel] = sums.direct * share;
     layers.indirect[pixel] = sums.indirect * share;
+    layers.specular[pixel] = sums.specular * share;
     layers.emission[pixel] = sums.emission * share;
     if (sums.hits == 0.0f) return;
     layers.normal[pixel] = normalized(sums.normal);
@@ -68,7 +70,8 @@ void Frame::draw(const View& view, const LightField& light, int sub_pixels, Pass
     for (const ChunkSelection& chunk : selection)
         surfels_drawn_ += chunk.count;
     gbuffer_.draw(octree_, cloud_, selection, view, timer);
-    timed(timer, "shade", [&] { shading_.draw(gbuffer_, light, view, sub_pixels); });
+    timed(timer, "shade",
+          [&] { shading_.draw(gbuffer_, light, view, sub_pixels, settings_.wetness); });
 }
 
 FrameLayers Frame::render(const View& view, const LightField& light, const Progress& progress) {
@@ -85,7 +88,8 @@ FrameLayers Frame::render(const View& view, const LightField& light, const Progr
             const auto read = [&](const Buffer& buffer) { return buffer.read<gpu::vec4>(count); };
             const Tile tile{width * samples,           read(gbuffer_.surfaces()),
                             read(gbuffer_.albedos()),  read(shading_.direct()),
-                            read(shading_.indirect()), read(shading_.emission())};
+                            read(shading_.indirect()), read(shading_.specular()),
+                            read(shading_.emission())};
             for (int y = 0; y < height; ++y) {
                 for (int x = 0; x < width; ++x) {
                     PixelSums sums;

@@ -12,7 +12,8 @@ namespace glowworm {
 
 struct FrameSettings {
     SelectionSettings selection;
-    int samples = 2;  ///< 1..8: a headless frame's pixels are means of this many squared
+    float wetness = 0.0f;  ///< 0..1: how much of the walls a film of water covers
+    int samples = 2;       ///< 1..8: a headless frame's pixels are means of this many squared
 };
 
 /// One cloud, drawn frame after frame. The octree must outlive it.

@@ -1,5 +1,7 @@
 #include "viewer/frame/shading.h"
 
+#include <algorithm>
+
 #include "shaders/frame_layout.h"
 
 namespace glowworm {
@@ -8,6 +10,9 @@ namespace {
 gpu::vec4 vec4_of(const Vec3d& v) {
     return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), 0.0f};
 }
+
+constexpr std::int32_t kAreaRows = 6;    // of samples on an area light, in a pixel
+constexpr std::int32_t kRowsAtOnce = 2;  // direct_light.glsl says why not all
 
 }  // namespace
 
@@ -24,28 +29,51 @@ void Shading::set_panels(std::span<const AreaLight> panels, const Vec3d& origin)
 }
 
 void Shading::draw(const GBuffer& gbuffer, const LightField& light, const View& view,
-                   int sub_pixels) {
+                   int sub_pixels, float wetness) {
     const auto width = static_cast<GLuint>(view.width), height = static_cast<GLuint>(view.height);
     const std::size_t bytes = std::size_t{width} * height * sizeof(gpu::vec4);
     if (beauty_.bytes() != bytes) {
         direct_ = Buffer("pixel direct", bytes);
         indirect_ = Buffer("pixel indirect", bytes);
+        specular_ = Buffer("pixel specular", bytes);
         emission_ = Buffer("pixel emission", bytes);
         beauty_ = Buffer("pixel beauty", bytes);
     }
+    if (wetness > 0.0f) {
+        if (!wet_) wet_.emplace(std::vector<std::string>{"WET"});
+        light.show_to_cones();
+    }
+    const Passes& passes = wetness > 0.0f ? *wet_ : dry_;
 
     light.bind();
     gbuffer.bind();
     panels_.bind_storage(BINDING_PANELS);
     direct_.bind_storage(BINDING_PIXEL_DIRECT);
     indirect_.bind_storage(BINDING_PIXEL_INDIRECT);
+    specular_.bind_storage(BINDING_PIXEL_SPECULAR);
     emission_.bind_storage(BINDING_PIXEL_EMISSION);
     beauty_.bind_storage(BINDING_PIXEL_BEAUTY);
-    set_uniform(shade_, 0, panel_count_);
-    set_uniform(shade_, 1, static_cast<std::int32_t>(sub_pixels));
-    shade_.use();
-    glDispatchCompute((width + 7) / 8, (height + 7) / 8, 1);
-    glMemoryBarrier(GL_ALL_BARRIER_BITS);
+    const auto run = [&](const Program& pass) {
+        pass.use();
+        glDispatchCompute((width + 7) / 8, (height + 7) / 8, 1);
+        glMemoryBarrier(GL_ALL_BARRIER_BITS);
+    };
+    set_uniform(passes.surface, 0, panel_count_);
+    set_uniform(passes.surface, 1, wetness);
+    run(passes.surface);
+
+    set_uniform(passes.light, 3, static_cast<std::int32_t>(sub_pixels));
+    set_uniform(passes.light, 4, wetness);
+    const std::int32_t rows = (kAreaRows + sub_pixels - 1) / sub_pixels;
+    for (std::uint32_t i = 0; i < light.lights().size(); ++i) {
+        set_uniform(passes.light, 0, i);
+        const std::int32_t last = light.lights()[i].kind == LIGHT_AREA ? rows : 1;
+        for (std::int32_t row = 0; row < last; row += kRowsAtOnce) {
+            set_uniform(passes.light, 1, row);
+            set_uniform(passes.light, 2, std::min(row + kRowsAtOnce, rows));
+            run(passes.light);
+        }
+    }
 }
 
 }  // namespace glowworm

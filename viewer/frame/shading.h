@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "octree/surfel.h"
 #include "viewer/frame/gbuffer.h"
@@ -9,7 +12,7 @@
 namespace glowworm {
 
 /// Light on the G-buffer's surfaces, each layer by itself: direct with traced shadows, indirect
-/// from the leaves around, and area lights as the rectangles they are.
+/// from the leaves around, what wet walls mirror, and area lights as the rectangles they are.
 class Shading {
   public:
     Shading() = default;
@@ -19,20 +22,28 @@ class Shading {
 
     /// Shades `view`'s pixels; where a panel is in front it takes the surface's place. Squares of
     /// `sub_pixels` x `sub_pixels` from the first on will be averaged: they share the samples of
-    /// area lights.
-    void draw(const GBuffer& gbuffer, const LightField& light, const View& view,
-              int sub_pixels = 1);
+    /// area lights. `wetness`, 0..1: how much of the walls a film of water covers.
+    void draw(const GBuffer& gbuffer, const LightField& light, const View& view, int sub_pixels = 1,
+              float wetness = 0.0f);
 
     /// [pixels] vec4 of radiance, W·sr⁻¹·m⁻².
     const Buffer& direct() const { return direct_; }
     const Buffer& indirect() const { return indirect_; }
+    const Buffer& specular() const { return specular_; }
     const Buffer& emission() const { return emission_; }
     /// Their sum; w: 1 where a surface was hit.
     const Buffer& beauty() const { return beauty_; }
 
   private:
-    Program shade_{{"shade.comp"}};
-    Buffer panels_, direct_, indirect_, emission_, beauty_;
+    struct Passes {
+        Program surface, light;
+        explicit Passes(const std::vector<std::string>& defines)
+            : surface({"shade.comp"}, defines), light({"shade_light.comp"}, defines) {}
+    };
+
+    Passes dry_{{}};
+    std::optional<Passes> wet_;  // compiled when first asked for
+    Buffer panels_, direct_, indirect_, specular_, emission_, beauty_;
     std::uint32_t panel_count_ = 0;
 };
 

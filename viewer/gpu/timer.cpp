@@ -14,7 +14,7 @@ double now_ms() {
 
 }  // namespace
 
-PassTimer::PassTimer() {
+PassTimer::PassTimer(const GlDevice& device) : software_(device.software) {
     GLuint name = 0;
     glCreateQueries(GL_TIME_ELAPSED, 1, &name);
     query_ = GlName(name);
@@ -32,11 +32,14 @@ void PassTimer::begin() {
 }
 
 void PassTimer::end(const std::string& name) {
+    const double given_ms = now_ms() - begun_at_ms_;
     glEndQuery(GL_TIME_ELAPSED);
     glFinish();
+    const double finished_ms = now_ms() - begun_at_ms_;
     GLuint64 elapsed_ns = 0;
     glGetQueryObjectui64v(query_.get(), GL_QUERY_RESULT, &elapsed_ns);
-    samples_[name].push_back({static_cast<double>(elapsed_ns) * 1e-6, now_ms() - begun_at_ms_});
+    const double query_ms = static_cast<double>(elapsed_ns) * 1e-6;
+    samples_[name].push_back({software_ ? finished_ms : query_ms, given_ms});
 }
 
 }  // namespace glowworm

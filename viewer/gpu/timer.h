@@ -4,19 +4,22 @@
 #include <string>
 #include <vector>
 
+#include "viewer/gpu/context.h"
 #include "viewer/gpu/objects.h"
 
 namespace glowworm {
 
-/// GPU and CPU time of each pass by name, ms. On a software renderer the GPU's time is the CPU's.
+/// GPU and CPU time of each pass by name, ms. Where the driver's timer queries measure nothing, as
+/// on software renderers, the GPU's time is the wall time from when it was idle to when it is
+/// again.
 class PassTimer {
   public:
     struct Sample {
         double gpu_ms = 0.0;
-        double cpu_ms = 0.0;
+        double cpu_ms = 0.0;  ///< wall time until the last command was given
     };
 
-    PassTimer();
+    explicit PassTimer(const GlDevice& device);
     ~PassTimer();
     PassTimer(PassTimer&&) noexcept = default;
     PassTimer& operator=(PassTimer&&) noexcept = default;
@@ -37,6 +40,7 @@ class PassTimer {
     void end(const std::string& name);
 
     GlName query_;
+    bool software_ = false;
     double begun_at_ms_ = 0.0;
     std::map<std::string, std::vector<Sample>> samples_;
 };

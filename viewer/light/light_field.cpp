@@ -41,11 +41,11 @@ LightField::LightField(const Context& context, const OctreeView& octree, const S
 }
 
 void LightField::set_scene(const Scene& scene) {
-    const auto lights = lights_for_gpu(scene, octree_, settings_.faithful);
-    lights_ = Buffer::of("lights", std::span(lights));
+    lights_ = lights_for_gpu(scene, octree_, settings_.faithful);
+    lights_buffer_ = Buffer::of("lights", std::span<const gpu::Light>(lights_));
     const auto emitted = emitted_radiance(scene, octree_, settings_.faithful);
     emitted_ = Buffer::of("emitted radiance", std::span(emitted));
-    gpu_octree_.grid.light_count = static_cast<std::uint32_t>(lights.size());
+    gpu_octree_.grid.light_count = static_cast<std::uint32_t>(lights_.size());
     grid_.write(std::span<const gpu::LightGrid>(&gpu_octree_.grid, 1));
     inject();
 }
@@ -72,7 +72,15 @@ void LightField::bind() const {
     direct_.bind_storage(BINDING_DIRECT);
     indirect_.bind_storage(BINDING_INDIRECT);
     radiance_.bind_storage(BINDING_RADIANCE);
-    lights_.bind_storage(BINDING_LIGHTS);
+    lights_buffer_.bind_storage(BINDING_LIGHTS);
+}
+
+void LightField::show_to_cones() const {
+    if (!mirrored_) mirrored_.emplace(octree_, LightSettings{});
+    bind();
+    emitted_.bind_storage(BINDING_SCRATCH_A);
+    radiate_.dispatch(octree_.lobes.size(), kGroup);
+    mirrored_->filter();
 }
 
 void LightField::prepare(const Progress& progress) {

@@ -63,11 +63,16 @@ class LightField {
     /// Binds what the includes trace.glsl, direct_light.glsl and light_lookup.glsl read.
     void bind() const;
 
+    /// Binds what cone.glsl reads: the light as it is now, filtered up the octree.
+    void show_to_cones() const;
+
     /// The light meter: the same lookup and shadows as a frame's.
     std::vector<ProbeResult> measure(std::span<const Probe> probes) const;
 
     std::vector<gpu::vec4> read_direct() const;    ///< [lobes] W·m⁻²
     std::vector<gpu::vec4> read_indirect() const;  ///< [lobes] W·m⁻²
+    /// The scene's lights as they lie in the buffer that bind() binds.
+    std::span<const gpu::Light> lights() const { return lights_; }
     const GpuLinks& links() const { return links_; }
     const GpuOctree& octree() const { return gpu_octree_; }
     const LightSettings& settings() const { return settings_; }
@@ -81,11 +86,13 @@ class LightField {
     LightSettings settings_;
     GpuOctree gpu_octree_;
     Buffer grid_;  // LightGrid
-    Buffer lights_;
+    std::vector<gpu::Light> lights_;
+    Buffer lights_buffer_;
     Buffer emitted_, direct_, indirect_, radiance_, gathered_;  // [lobes] vec4
     Program inject_, radiate_, probe_direct_, probe_indirect_;
     GpuLinks links_;
     std::optional<ConeGather> cones_;
+    mutable std::optional<ConeGather> mirrored_;  // for show_to_cones, made when first asked for
 };
 
 }  // namespace glowworm
