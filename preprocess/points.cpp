@@ -15,6 +15,7 @@ void for_each_column(A& a, B& b, Visit visit) {
     visit(a.stations, b.stations);
     visit(a.emissions, b.emissions);
     visit(a.times, b.times);
+    visit(a.grid, b.grid);
 }
 
 }  // namespace

@@ -16,6 +16,12 @@ struct Rgb8 {
     friend bool operator==(const Rgb8&, const Rgb8&) = default;
 };
 
+/// Where a point lies in the grid that a scanner sweeps, as its file counts.
+struct GridCell {
+    std::uint32_t row = 0, column = 0;
+    friend bool operator==(const GridCell&, const GridCell&) = default;
+};
+
 /// Points as columns. A column is either empty (the points do not have it) or as long as
 /// `positions`.
 struct Points {
@@ -28,6 +34,7 @@ struct Points {
     std::vector<std::uint32_t> stations;  ///< index into PointCloud::stations
     std::vector<Vec3f> emissions;         ///< radiance, W·sr⁻¹·m⁻²
     std::vector<double> times;            ///< s, the scanner's own clock
+    std::vector<GridCell> grid;           ///< of organised scans
 
     std::size_t size() const { return positions.size(); }
     bool empty() const { return positions.empty(); }

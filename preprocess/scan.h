@@ -17,6 +17,8 @@ struct Scan {
     Points points;
     std::optional<Eigen::Isometry3d> T_world_scan;  ///< the pose the file carries, if it does
 
+    std::string crs;  ///< coordinate reference system as the file states it, mostly empty
+
     /// Whether the frame's origin is where the scanner stood. Unknown from most files, so it is
     /// decided from the points (see station.h); a SLAM map has no such place.
     bool has_viewpoint = false;

@@ -3,6 +3,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/Geometry>
+#include <numbers>
+#include <optional>
+
 #include "preprocess/command/stage_flags.h"
 #include "preprocess/read/describe.h"
 
@@ -37,11 +41,35 @@ Json fields_json(const ScanDescription& scan) {
     return fields;
 }
 
+/// The grid of an organised scan as far as its points reach, from 0.
+struct Grid {
+    std::uint64_t rows = 0, columns = 0;
+};
+
+std::optional<Grid> grid_of(const ScanDescription& scan) {
+    if (!scan.header.columns.grid || scan.facts.counts.kept == 0) return std::nullopt;
+    Grid grid;
+    for (const FieldDescription& field : scan.fields) {
+        const auto count = static_cast<std::uint64_t>(field.high) + 1;
+        if (field.header.meaning == "row") grid.rows = count;
+        if (field.header.meaning == "column") grid.columns = count;
+    }
+    return grid;
+}
+
 Json scan_json(const ScanDescription& scan) {
     const ScanFacts& facts = scan.facts;
-    Json json = {{"name", facts.counts.name},       {"declared", scan.header.declared_points},
-                 {"points", facts.counts.kept},     {"not_finite", facts.counts.not_finite},
-                 {"invalid", facts.counts.invalid}, {"no_return", facts.counts.no_return}};
+    const ScanCounts& counts = facts.counts;
+    Json json = {{"name", counts.name},
+                 {"title", scan.header.name},
+                 {"declared", scan.header.declared_points},
+                 {"points", counts.kept},
+                 {"not_finite", counts.not_finite},
+                 {"too_far", counts.too_far},
+                 {"invalid", counts.invalid},
+                 {"no_return", counts.no_return},
+                 {"no_colour", counts.no_colour},
+                 {"no_intensity", counts.no_intensity}};
     if (facts.counts.kept > 0) {
         json["bounds"] = {{"min", vector_json(facts.low)}, {"max", vector_json(facts.high)}};
     }
@@ -50,6 +78,8 @@ Json scan_json(const ScanDescription& scan) {
     json["colour_bits"] = scan.header.colour_bits;
     json["T_world_scan"] = pose_json(scan.header.T_world_scan);
     json["crs"] = scan.header.crs;
+    const std::optional<Grid> grid = grid_of(scan);
+    json["grid"] = grid ? Json{{"rows", grid->rows}, {"columns", grid->columns}} : Json(nullptr);
     json["fields"] = fields_json(scan);
     json["metadata"] = Json::object();
     for (const auto& [key, value] : scan.header.metadata)
@@ -71,18 +101,54 @@ Json to_json(const ScanFileDescription& file) {
             {"warnings", warnings_json(file.warnings)}};
 }
 
+std::string distance(double metres) {
+    return metres < 1.0 ? fmt::format("{:.1f} mm", metres * 1e3) : fmt::format("{:.2f} m", metres);
+}
+
+/// " (3 not finite, 1 no return)", or nothing where nothing was left out.
+std::string left_out(const ScanCounts& counts) {
+    std::string words;
+    const auto add = [&](std::uint64_t count, const char* what) {
+        if (count > 0)
+            words += fmt::format("{}{} {}", words.empty() ? "" : ", ", format_count(count), what);
+    };
+    add(counts.not_finite, "not finite");
+    add(counts.too_far, "absurdly far");
+    add(counts.no_return, "at the origin");
+    add(counts.invalid, "marked invalid");
+    return words.empty() ? "" : " (left out: " + words + ")";
+}
+
+std::string pose_words(const std::optional<Eigen::Isometry3d>& pose) {
+    if (!pose) return "none";
+    const Eigen::Vector3d at = pose->translation();
+    const double turn = Eigen::AngleAxisd(pose->linear()).angle() * 180.0 / std::numbers::pi;
+    return fmt::format("at {:.3f} {:.3f} {:.3f} m, turned by {:.2f} degrees", at.x(), at.y(),
+                       at.z(), turn);
+}
+
 void print(const ScanDescription& scan) {
     const ScanFacts& facts = scan.facts;
-    fmt::print("\nscan        {}\n", facts.counts.name);
-    fmt::print("points      {} ({} not finite, {} invalid)\n", format_count(facts.counts.kept),
-               format_count(facts.counts.not_finite), format_count(facts.counts.invalid));
+    fmt::print("\nscan        {}", facts.counts.name);
+    if (!scan.header.name.empty()) fmt::print(", \"{}\"", scan.header.name);
+    fmt::print("\npoints      {}{}\n", format_count(facts.counts.kept), left_out(facts.counts));
     if (facts.counts.kept > 0) {
         fmt::print("bounds      {:.3f} {:.3f} {:.3f} to {:.3f} {:.3f} {:.3f} m\n", facts.low.x,
                    facts.low.y, facts.low.z, facts.high.x, facts.high.y, facts.high.z);
-        fmt::print("spacing     {:.1f} mm\n", facts.spacing * 1e3);
+        if (facts.spacing > 0.0) fmt::print("spacing     {}\n", distance(facts.spacing));
     }
-    fmt::print("pose        {}\n", scan.header.T_world_scan ? "in the file" : "none");
+    if (scan.offset != Vec3d{}) {
+        fmt::print("offset      {:.0f} {:.0f} {:.0f} m, taken out of the points\n", scan.offset.x,
+                   scan.offset.y, scan.offset.z);
+    }
+    fmt::print("pose        {}\n", pose_words(scan.header.T_world_scan));
+    if (const std::optional<Grid> grid = grid_of(scan)) {
+        fmt::print("grid        {} rows, {} columns\n", format_count(grid->rows),
+                   format_count(grid->columns));
+    }
     if (scan.header.colour_bits > 0) fmt::print("colour      {} bits\n", scan.header.colour_bits);
+    for (const auto& [key, value] : scan.header.metadata)
+        fmt::print("{:<11} {}\n", key, value);
     if (!scan.header.crs.empty()) fmt::print("CRS         {}\n", scan.header.crs);
     for (const FieldDescription& field : scan.fields) {
         fmt::print("field       {:<20} {:<10} {:<12}", field.header.name, field.header.type,

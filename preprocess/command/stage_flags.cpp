@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <string_view>
+#include <utility>
+
 #include "octree/error.h"
 #include "octree/links.h"
 #include "octree/scene.h"
@@ -10,6 +13,31 @@
 #include "preprocess/provenance.h"
 
 namespace glowworm {
+namespace {
+
+/// The character that --delimiter means. Throws kUsage for a word that is none.
+char delimiter_named(const std::string& word) {
+    constexpr std::pair<std::string_view, char> kNames[] = {
+        {"space", ' '}, {"spaces", ' '}, {"tab", '\t'},      {"tabs", '\t'},
+        {"\\t", '\t'},  {"comma", ','},  {"semicolon", ';'},
+    };
+    for (const auto& [name, character] : kNames) {
+        if (word == name) return character;
+    }
+    const bool part_of_numbers =
+        word.size() == 1 && std::string_view("+-.eE").find(word[0]) != std::string_view::npos;
+    const bool printable =
+        word.size() == 1 && (word[0] == '\t' || (word[0] >= ' ' && word[0] <= '~'));
+    if (!printable || part_of_numbers || (word[0] >= '0' && word[0] <= '9')) {
+        throw Error(ExitCode::kUsage,
+                    fmt::format("--delimiter '{}' parts no numbers; give space, tab, comma, "
+                                "semicolon or a character such as '|'",
+                                word));
+    }
+    return word[0];
+}
+
+}  // namespace
 
 CLI::Validator finite(double low, double high) {
     const auto check = [low, high](std::string& text) {
@@ -92,9 +120,15 @@ BuildSettings BuildFlags::settings(const std::string& command,
 }
 
 void add_read_flags(CLI::App& command, ReadSettings& settings) {
-    command.add_option(
-        "--columns", settings.columns,
-        "what the columns of text files mean, such as \"x y z intensity r g b\"; - skips one");
+    command.add_option("--columns", settings.columns,
+                       "what the columns of text files mean, such as \"x y z intensity r g b\"; - "
+                       "skips one; worked "
+                       "out where not given");
+    command.add_option_function<std::string>(
+        "--delimiter",
+        [&settings](const std::string& word) { settings.delimiter = delimiter_named(word); },
+        "what parts the columns of text files: space, tab, comma, semicolon or a character; worked "
+        "out where not given");
     command.add_flag_callback(
         "--no-crc", [&settings] { settings.check_crc = false; },
         "read E57 pages whose checksum is wrong");

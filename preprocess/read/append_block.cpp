@@ -24,6 +24,7 @@ void for_each_column(PointBlock& block, Visit visit) {
     visit_if_there(block.stations);
     visit_if_there(block.emissions);
     visit_if_there(block.times);
+    visit_if_there(block.grid);
 }
 
 /// Keeps the points for which `keep(position)` holds, in order; returns how many were dropped.
@@ -52,6 +53,13 @@ std::uint64_t drop_not_finite(PointBlock& block) {
     return keep_points(block, [](const Vec3d& p) { return is_finite(p); });
 }
 
+std::uint64_t drop_too_far(PointBlock& block) {
+    return keep_points(block, [](const Vec3d& p) {
+        return std::abs(p.x) <= kFarthestMetres && std::abs(p.y) <= kFarthestMetres &&
+               std::abs(p.z) <= kFarthestMetres;
+    });
+}
+
 std::uint64_t drop_at_origin(PointBlock& block) {
     return keep_points(block, [](const Vec3d& p) { return p != Vec3d{}; });
 }
@@ -62,7 +70,7 @@ PointBlock first_at_origin(const PointBlock& block) {
     keep_points(first, [found = false](const Vec3d& p) mutable {
         return p == Vec3d{} && !std::exchange(found, true);
     });
-    first.invalid = 0;
+    first.invalid = first.no_colour = first.no_intensity = 0;
     return first;
 }
 
@@ -100,6 +108,7 @@ void append_block(const PointBlock& block, const Vec3d& offset, Points& points) 
     append(block.stations, points.stations);
     append(block.emissions, points.emissions);
     append(block.times, points.times);
+    append(block.grid, points.grid);
 }
 
 void reserve_points(std::uint64_t count, const ColumnSet& columns, Points& points) {
@@ -113,6 +122,7 @@ void reserve_points(std::uint64_t count, const ColumnSet& columns, Points& point
     if (columns.stations) points.stations.reserve(n);
     if (columns.emissions) points.emissions.reserve(n);
     if (columns.times) points.times.reserve(n);
+    if (columns.grid) points.grid.reserve(n);
 }
 
 }  // namespace glowworm

@@ -10,6 +10,13 @@ namespace glowworm {
 /// Drops the points of `block` whose coordinates are not finite; returns how many.
 std::uint64_t drop_not_finite(PointBlock& block);
 
+/// No place is farther from a frame's origin, m: UTM coordinates in millimetres are nearer. Numbers
+/// beyond are how programs write "no value" (1e30, the largest float).
+inline constexpr double kFarthestMetres = 1e10;
+
+/// Drops the points of `block` with a coordinate beyond kFarthestMetres; returns how many.
+std::uint64_t drop_too_far(PointBlock& block);
+
 /// Drops the points of `block` exactly at the origin of the frame; returns how many.
 std::uint64_t drop_at_origin(PointBlock& block);
 

@@ -2,26 +2,44 @@
 
 #include <fmt/format.h>
 
+#include <system_error>
+
+#include "octree/error.h"
+
 namespace glowworm {
 namespace {
 
+constexpr std::string_view kScene =
+    "FARO SCENE (right-click the scans, Import/Export > Export Scan, or Export in its menu)";
+constexpr std::string_view kLaserControl = "Z+F LaserControl (its export of scans)";
+constexpr std::string_view kRiscan = "RIEGL RiSCAN PRO (its export of scan positions)";
+constexpr std::string_view kRecap = "Autodesk ReCap Pro (Export, format E57)";
+constexpr std::string_view kCyclone = "Leica Cyclone or Cyclone 3DR (its export of point clouds)";
+constexpr std::string_view kRealWorks = "Trimble RealWorks (its export of scans)";
+
 constexpr ClosedFormat kClosedFormats[] = {
-    {".fls", "a FARO scan", "FARO SCENE (menu Export, format E57)"},
-    {".fws", "a FARO workspace", "FARO SCENE (menu Export, format E57)"},
-    {".lsproj", "a FARO project", "FARO SCENE (menu Export, format E57)"},
-    {".zfs", "a Zoller+Froehlich scan", "Z+F LaserControl (menu File > Export, format E57)"},
-    {".zfprj", "a Zoller+Froehlich project", "Z+F LaserControl (menu File > Export, format E57)"},
-    {".rdb", "a RIEGL point database", "RiSCAN PRO (menu Export, format E57)"},
-    {".rdbx", "a RIEGL point database", "RiSCAN PRO (menu Export, format E57)"},
-    {".rxp", "a RIEGL data stream", "RiSCAN PRO (menu Export, format E57)"},
-    {".rcp", "an Autodesk ReCap project", "ReCap Pro (menu Export, format E57)"},
-    {".rcs", "an Autodesk ReCap scan", "ReCap Pro (menu Export, format E57)"},
+    {".fls", "a FARO scan", kScene},
+    {".fws", "a FARO workspace", kScene},
+    {".lsproj", "a FARO project", kScene},
+    {".zfs", "a Zoller+Froehlich scan", kLaserControl},
+    {".zfprj", "a Zoller+Froehlich project", kLaserControl},
+    {".rdb", "a RIEGL point database", kRiscan},
+    {".rdbx", "a RIEGL point database", kRiscan},
+    {".rxp", "a RIEGL data stream", kRiscan},
+    {".rcp", "an Autodesk ReCap project", kRecap},
+    {".rcs", "an Autodesk ReCap scan", kRecap},
+    {".imp", "a Leica Cyclone database", kCyclone},
+    {".lgs", "a Leica LGS project", kCyclone},
+    {".lgsx", "a Leica LGSx project", kCyclone},
+    {".tzf", "a Trimble scan", kRealWorks},
 };
 
 }  // namespace
 
 const ClosedFormat* closed_format_of(const std::filesystem::path& path) {
-    std::string extension = path.extension().string();
+    // "scan.fls/" names the same folder as "scan.fls".
+    const std::filesystem::path named = path.has_filename() ? path : path.parent_path();
+    std::string extension = named.extension().string();
     for (char& c : extension) {
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
     }
@@ -33,7 +51,15 @@ const ClosedFormat* closed_format_of(const std::filesystem::path& path) {
 
 std::string how_to_export(const ClosedFormat& format) {
     return fmt::format("it is {}, a format only its vendor's programs read; export E57 from {}",
-                       format.what, format.export_menu);
+                       format.what, format.exporter);
+}
+
+void refuse_closed_folder(const std::filesystem::path& path) {
+    std::error_code ignored;
+    const ClosedFormat* closed = closed_format_of(path);
+    if (closed == nullptr || !std::filesystem::is_directory(path, ignored)) return;
+    throw Error(ExitCode::kUnreadable,
+                "cannot read '" + path.string() + "': " + how_to_export(*closed));
 }
 
 }  // namespace glowworm

@@ -54,6 +54,10 @@ void add_block(const PointBlock& block, Ranges& ranges) {
     add_scalars(block.radii, "radius", ranges);
     add_scalars(block.stations, "station", ranges);
     add_scalars(block.times, "time", ranges);
+    for (const GridCell& cell : block.grid) {
+        ranges["row"].add(cell.row);
+        ranges["column"].add(cell.column);
+    }
     for (const Rgb8& c : block.colours) {
         ranges["red"].add(c.r);
         ranges["green"].add(c.g);

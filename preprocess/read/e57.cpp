@@ -6,9 +6,11 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <span>
 
 #include "preprocess/read/e57_header.h"
 #include "preprocess/read/e57_vector.h"
+#include "preprocess/read/missing_values.h"
 
 namespace glowworm {
 namespace {
@@ -29,18 +31,24 @@ enum Use : std::size_t {
     kNormalY,
     kNormalZ,
     kTime,
+    kRow,
+    kColumn,
+    kNoColour,
+    kNoIntensity,
     kUseCount,
 };
 
 constexpr const char* kCartesian[kUseCount] = {
-    "cartesianX", "cartesianY", "cartesianZ", "cartesianInvalidState",
-    "colorRed",   "colorGreen", "colorBlue",  "intensity",
-    "normalX",    "normalY",    "normalZ",    "timeStamp",
+    "cartesianX", "cartesianY",  "cartesianZ",     "cartesianInvalidState",
+    "colorRed",   "colorGreen",  "colorBlue",      "intensity",
+    "normalX",    "normalY",     "normalZ",        "timeStamp",
+    "rowIndex",   "columnIndex", "isColorInvalid", "isIntensityInvalid",
 };
 constexpr const char* kSpherical[4] = {"sphericalRange", "sphericalAzimuth", "sphericalElevation",
                                        "sphericalInvalidState"};
-constexpr const char* kMeanings[kUseCount] = {"x",    "y",         "z",  "",   "red", "green",
-                                              "blue", "intensity", "nx", "ny", "nz",  "time"};
+constexpr const char* kMeanings[kUseCount] = {
+    "x",  "y",  "z",  "no return", "red", "green",  "blue",      "intensity",
+    "nx", "ny", "nz", "time",      "row", "column", "no colour", "no intensity"};
 
 /// value * factor + shift maps a field's declared range to 0..most.
 struct Scaling {
@@ -78,6 +86,11 @@ std::string type_name(const E57Field& field) {
     return fmt::format("{}-bit integer x {}", field.bits, field.scale);
 }
 
+std::uint32_t grid_index(double value) {
+    constexpr double kMost = 4294967295.0;
+    return static_cast<std::uint32_t>(value > 0.0 ? std::min(value, kMost) : 0.0);
+}
+
 class E57Reader final : public ScanFile {
   public:
     E57Reader(InputFile file, bool check_crc)
@@ -102,6 +115,10 @@ class E57Reader final : public ScanFile {
         if (count == 0) return false;
         std::size_t kept = 0;
         const double* invalid = values_of(kInvalid);
+        const double* no_colour = columns_.colours ? values_of(kNoColour) : nullptr;
+        const double* no_intensity = columns_.intensities ? values_of(kNoIntensity) : nullptr;
+        no_colour_.resize(count);
+        no_intensity_.resize(count);
         for (std::size_t i = 0; i < count; ++i) {
             if (invalid != nullptr && invalid[i] != 0.0) continue;
             block.positions[kept] = position(i);
@@ -116,10 +133,23 @@ class E57Reader final : public ScanFile {
                                        static_cast<float>(values_of(kNormalZ)[i])};
             }
             if (columns_.times) block.times[kept] = values_of(kTime)[i];
+            if (columns_.grid) {
+                block.grid[kept] = {grid_index(values_of(kRow)[i]),
+                                    grid_index(values_of(kColumn)[i])};
+            }
+            if (no_colour != nullptr) no_colour_[kept] = no_colour[i] != 0.0;
+            if (no_intensity != nullptr) no_intensity_[kept] = no_intensity[i] != 0.0;
             ++kept;
         }
         block.resize(kept, columns_);
         block.invalid = count - kept;
+        if (no_colour != nullptr) {
+            block.no_colour = fill_missing(std::span(no_colour_).first(kept), block.colours);
+        }
+        if (no_intensity != nullptr) {
+            block.no_intensity =
+                fill_missing(std::span(no_intensity_).first(kept), block.intensities);
+        }
         return true;
     }
 
@@ -156,6 +186,7 @@ class E57Reader final : public ScanFile {
         columns_.intensities = use_of_[kIntensity] >= 0;
         columns_.normals = use_of_[kNormalX] >= 0;
         columns_.times = use_of_[kTime] >= 0;
+        columns_.grid = use_of_[kRow] >= 0 && use_of_[kColumn] >= 0;
     }
 
     const E57Field& field_for(std::size_t use) const {
@@ -170,8 +201,10 @@ class E57Reader final : public ScanFile {
             if (range) intensity_ = scaling_to(1.0, *range);
         }
         for (std::size_t i = 0; columns_.colours && i < 3; ++i) {
+            const std::optional<E57Range> declared = declared_range(field_for(kRed + i));
             std::optional<E57Range> range = scan_->colour_limits[i];
-            if (!range) range = declared_range(field_for(kRed + i));
+            // Limits that the field cannot reach (65535 of 8 bits) are another field's.
+            if (!range || (declared && range->most > declared->most)) range = declared;
             colour_[i] = scaling_to(255.0, range.value_or(E57Range{0.0, 1.0}));
         }
     }
@@ -183,8 +216,7 @@ class E57Reader final : public ScanFile {
         header.columns = columns_;
         header.T_world_scan = scan_->T_world_scan;
         // A grid of rows and columns, and angles, are what a scanner sees from where it stands.
-        header.has_viewpoint =
-            spherical_ || (scan_->field("rowIndex") >= 0 && scan_->field("columnIndex") >= 0);
+        header.has_viewpoint = spherical_ || columns_.grid;
         if (columns_.colours) {
             const E57Field& red = field_for(kRed);
             header.colour_bits = declared_range(red) ? (red.bits <= 8 ? 8 : 16) : 32;
@@ -244,6 +276,7 @@ class E57Reader final : public ScanFile {
     Scaling intensity_;
     std::array<Scaling, 3> colour_;
     std::vector<std::vector<double>> values_;
+    std::vector<std::uint8_t> no_colour_, no_intensity_;  // of the points that are kept
 };
 
 }  // namespace

@@ -27,7 +27,10 @@ struct Place {
 double number_in(const E57Element& parent, std::string_view name, double missing) {
     const E57Element* element = parent.child(name);
     if (element == nullptr) return missing;
-    return e57_number(element->text).value_or(0.0);  // an empty element is zero
+    const double value = e57_number(element->text).value_or(0.0);  // an empty element is zero
+    if (element->attribute("type") != "ScaledInteger") return value;
+    return value * e57_number(element->attribute("scale")).value_or(1.0) +
+           e57_number(element->attribute("offset")).value_or(0.0);
 }
 
 std::string text_in(const E57Element& parent, std::string_view name) {
@@ -159,6 +162,9 @@ E57Scan read_scan(const E57Element& element, const Place& place) {
 }  // namespace
 
 int E57Scan::field(std::string_view field_name) const {
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+        if (fields[i].name == field_name) return static_cast<int>(i);
+    }
     for (std::size_t i = 0; i < fields.size(); ++i) {
         const std::string_view full = fields[i].name;
         const std::size_t colon = full.find(':');

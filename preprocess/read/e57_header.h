@@ -38,7 +38,8 @@ struct E57Scan {
     std::optional<E57Range> colour_limits[3];
     std::vector<std::string> notes;  ///< full sentences
 
-    /// Index of the field of this name, its prefix aside; -1 where there is none.
+    /// Index of the field of this name, else of one with an extension's prefix before it; -1 where
+    /// there is neither.
     int field(std::string_view field_name) const;
 };
 

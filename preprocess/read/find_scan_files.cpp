@@ -53,8 +53,8 @@ std::vector<fs::path> scan_files_in(const fs::path& folder) {
          entry.increment(problem)) {
         std::error_code ignored;
         if (entry->path().filename().string().starts_with('.')) continue;
-        if (!fs::is_regular_file(entry->path(), ignored)) continue;
-        if (recognise_format(entry->path()) != nullptr) {
+        const bool file = fs::is_regular_file(entry->path(), ignored);
+        if (file && recognise_format(entry->path()) != nullptr) {
             found.push_back(entry->path());
         } else if (const ClosedFormat* format = closed_format_of(entry->path())) {
             closed = format;
@@ -93,6 +93,7 @@ std::vector<fs::path> find_scan_files(std::span<const fs::path> files_or_folders
                             "': there is no such file or folder; check the path");
         }
         if (fs::is_directory(status)) {
+            refuse_closed_folder(path);
             const std::vector<fs::path> inside = scan_files_in(path);
             files.insert(files.end(), inside.begin(), inside.end());
         } else {

@@ -5,9 +5,9 @@
 
 namespace glowworm {
 
-/// The blocks of a scan without the points that are not finite and without those exactly at the
-/// frame's origin, which is how scanners write "no return". A single point there is a point: it
-/// comes last.
+/// The blocks of a scan without the points that are not finite or absurdly far and without those
+/// exactly at the frame's origin, which is how scanners write "no return". A single point there is
+/// a point: it comes last.
 class KeptBlocks {
   public:
     /// What is dropped and kept is counted in `counts`. Both must outlive this.

@@ -42,6 +42,12 @@ std::string unit_name(std::uint16_t code) {
             return "foot";
         case 9003:
             return "US survey foot";
+        case 9005:
+            return "Clarke's foot";
+        case 9041:
+            return "British foot";
+        case 9080:
+            return "Indian foot";
         default:
             return fmt::format("EPSG:{}", code);
     }

@@ -53,6 +53,9 @@ LazItem checked_item(const InputFile& file, const std::byte* at, std::uint32_t o
         }
         if (item.version >= kind.oldest && item.version <= kind.newest) return item;
     }
+    if (item.version == 1 && !layered) {
+        file.fail(fmt::format("it was compressed by LASzip 1, which is not read; {}", kRewrite));
+    }
     file.fail(fmt::format("its compression (item {}, version {}, {} bytes) is not known; {}", type,
                           item.version, item.bytes, kRewrite));
 }

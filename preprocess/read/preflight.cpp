@@ -6,6 +6,8 @@
 #include <cctype>
 #include <cmath>
 
+#include "preprocess/read/append_block.h"
+
 namespace glowworm {
 namespace {
 
@@ -44,6 +46,19 @@ double float_step(double value) {
 }
 
 void warn_of_colours(const ScanFacts& scan, Warner& warn) {
+    const ScanCounts& counts = scan.counts;
+    if (counts.no_colour > 0) {
+        warn.add("colour-invalid",
+                 fmt::format("the file marks {} of its {} points as without colour; they got the "
+                             "mean colour of the points around them",
+                             counts.no_colour, counts.found()));
+    }
+    if (counts.no_intensity > 0) {
+        warn.add("intensity-invalid",
+                 fmt::format("the file marks {} of its {} points as without intensity; they got "
+                             "the mean intensity of the points around them",
+                             counts.no_intensity, counts.found()));
+    }
     if (!scan.has_colours || !(scan.darkest == scan.brightest)) return;
     if (scan.brightest == Rgb8{}) {
         warn.add("colour-black",
@@ -57,7 +72,7 @@ void warn_of_colours(const ScanFacts& scan, Warner& warn) {
 
 void warn_of_points(const ScanFacts& scan, Warner& warn) {
     const ScanCounts& counts = scan.counts;
-    const std::uint64_t found = counts.kept + counts.not_finite + counts.no_return + counts.invalid;
+    const std::uint64_t found = counts.found();
     const double all = static_cast<double>(std::max<std::uint64_t>(found, 1));
     if (static_cast<double>(counts.no_return) > kNoticed * all) {
         warn.add("points-at-origin", fmt::format("{} of its {} points were exactly at (0,0,0), the "
@@ -70,6 +85,12 @@ void warn_of_points(const ScanFacts& scan, Warner& warn) {
                  fmt::format("{} of its {} points have a coordinate that is not a finite "
                              "number and were dropped",
                              counts.not_finite, found));
+    }
+    if (counts.too_far > 0) {
+        warn.add("points-too-far",
+                 fmt::format("{} of its {} points have a coordinate beyond {:.0g} m, which is how "
+                             "programs write \"no value\", and were dropped",
+                             counts.too_far, found, kFarthestMetres));
     }
     if (counts.declared != 0 && counts.declared != found) {
         warn.add("points-missing",
@@ -84,13 +105,38 @@ void warn_of_points(const ScanFacts& scan, Warner& warn) {
     }
 }
 
-bool mentions_feet(std::string crs) {
-    std::ranges::transform(crs, crs.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    // EPSG 9002 and 9003 are the foot and the US survey foot.
-    return crs.find("foot") != std::string::npos || crs.find("feet") != std::string::npos ||
-           crs.find("us-ft") != std::string::npos || crs.find("epsg:9002") != std::string::npos ||
-           crs.find("epsg:9003") != std::string::npos;
+/// Whether one of the words of `crs` is a foot: "US survey foot", "Foot_US", "ft", "ftUS".
+bool mentions_feet(std::string_view crs) {
+    constexpr std::string_view kWords[] = {"foot", "feet", "ft", "ftus", "usft", "footus"};
+    std::string word;
+    for (std::size_t i = 0; i <= crs.size(); ++i) {
+        const int c = i < crs.size() ? static_cast<unsigned char>(crs[i]) : ' ';
+        if (std::isalpha(c)) {
+            word += static_cast<char>(std::tolower(c));
+        } else {
+            if (std::ranges::find(kWords, word) != std::end(kWords)) return true;
+            word.clear();
+        }
+    }
+    return false;
+}
+
+struct CrsParts {
+    std::string_view horizontal, vertical;
+};
+
+/// WKT, or what las_crs says, in the part for x and y and the part for heights, which follows it.
+/// The name of a compound system, which may say the units of both, is in neither.
+CrsParts parts_of(std::string_view crs) {
+    constexpr std::string_view kVertical[] = {"VERT_CS", "VERTCS", "VERTCRS", "VERTICALCRS",
+                                              "vertical unit"};
+    const bool compound = crs.starts_with("COMPD_CS") || crs.starts_with("COMPOUNDCRS");
+    const std::size_t inner = compound ? crs.find('[', crs.find('[') + 1) : 0;
+    if (inner != std::string_view::npos) crs.remove_prefix(inner);
+    std::size_t split = crs.size();
+    for (const std::string_view name : kVertical)
+        split = std::min(split, crs.find(name));
+    return {crs.substr(0, split), crs.substr(split)};
 }
 
 /// Longitude and latitude with heights in metres: far higher than wide, in degrees' range.
@@ -111,9 +157,13 @@ void warn_of_units(const ScanFacts& scan, Warner& warn) {
         warn.add("units-degrees",
                  "its coordinates are degrees of longitude and latitude, not metres; export it "
                  "in a projected coordinate system");
-    } else if (mentions_feet(scan.crs)) {
+    } else if (mentions_feet(parts_of(scan.crs).horizontal)) {
         warn.add("units-feet",
                  "its coordinate system is in feet but Glowworm takes metres; export it in metres");
+    } else if (mentions_feet(parts_of(scan.crs).vertical)) {
+        warn.add("units-feet",
+                 "its heights are in feet while its x and y are not, so the cave would be 3.3 "
+                 "times too high; export all three in metres");
     } else if (extent(scan) > 5000.0) {
         warn.add("units-too-large",
                  fmt::format("it is {:.0f} m across; if that should be millimetres or feet, "

@@ -13,12 +13,15 @@ namespace glowworm {
 /// Something that is allowed but probably not meant, found before hours of work. The ids:
 ///   colour-black       every colour is zero
 ///   colour-constant    every point has the same colour
+///   colour-invalid     the file marks points as without colour; they got the others' mean
+///   intensity-invalid  the same for intensity
 ///   points-at-origin   more than 1 % were exactly at (0,0,0) and were dropped as "no return"
 ///   points-not-finite  coordinates that are NaN or infinite were dropped
+///   points-too-far     coordinates beyond 1e10 m, how programs write "no value", were dropped
 ///   points-missing     the file holds another number of points than it announces
 ///   points-duplicate   more than 1 % lie exactly where another one does
 ///   units-degrees      the coordinates look like degrees of longitude and latitude
-///   units-feet         the coordinate system is in feet
+///   units-feet         the coordinate system, or its heights alone, is in feet
 ///   units-too-large    the scan is larger than 5 km: millimetres perhaps
 ///   units-too-small    the scan is smaller than 5 cm: kilometres perhaps
 ///   float-lost         far coordinates were stored as 32-bit floats, millimetres are lost

@@ -38,7 +38,10 @@ Points read_world_points(ScanFile& file, const ScanHeader& header, PointCloud& c
     PointBlock block;
     while (file.next_block(block)) {
         counts.invalid += block.invalid;
+        counts.no_colour += block.no_colour;
+        counts.no_intensity += block.no_intensity;
         counts.not_finite += drop_not_finite(block);
+        counts.too_far += drop_too_far(block);
         if (block.size() == 0) continue;
         if (header.T_world_scan) transform(*header.T_world_scan, block);
         if (!std::exchange(chosen, true)) cloud.origin = header.origin + choose_offset(block);
@@ -97,9 +100,7 @@ PointCloud read_cloud(const std::filesystem::path& path, const ReadSettings& set
             cloud.points.append(points);
     }
     if (cloud.points.empty()) {
-        throw Error(ExitCode::kDegenerate, "'" + path.string() + "' is a well-formed " +
-                                               said.format.name +
-                                               " file without points; export it again");
+        throw Error(ExitCode::kDegenerate, "'" + path.string() + "' " + why_no_points(said));
     }
     check_stations(cloud, path);
     return cloud;

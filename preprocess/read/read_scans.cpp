@@ -1,5 +1,7 @@
 #include "preprocess/read/read_scans.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -22,6 +24,7 @@ Scan read_scan(ScanFile& file, const ScanHeader& header, const std::filesystem::
     scan.file = path;
     scan.T_world_scan = header.T_world_scan;
     scan.has_viewpoint = header.has_viewpoint;
+    scan.crs = header.crs;
     reserve_points(believable(header.declared_points, path), header.columns, scan.points);
 
     KeptBlocks blocks(file, counts);
@@ -35,6 +38,23 @@ Scan read_scan(ScanFile& file, const ScanHeader& header, const std::filesystem::
 }
 
 }  // namespace
+
+std::string why_no_points(const ReadReport& report) {
+    ScanCounts all;
+    for (const ScanCounts& counts : report.scans) {
+        all.not_finite += counts.not_finite;
+        all.too_far += counts.too_far;
+        all.no_return += counts.no_return;
+        all.invalid += counts.invalid;
+    }
+    if (all.found() == 0) {
+        return "is a well-formed " + report.format.name + " file without points; export it again";
+    }
+    return fmt::format(
+        "holds {} points and none of use: {} not finite, {} farther than {:.0g} m, {} at (0,0,0), "
+        "{} marked as no return; export it again",
+        all.found(), all.not_finite, all.too_far, kFarthestMetres, all.no_return, all.invalid);
+}
 
 std::vector<Scan> read_scans(const std::filesystem::path& path, const ReadSettings& settings,
                              ReadReport* report) {
@@ -57,9 +77,7 @@ std::vector<Scan> read_scans(const std::filesystem::path& path, const ReadSettin
         if (said.scans.size() > 1) said.scans[i].name += "#" + std::to_string(i + 1);
     }
     if (found.empty()) {
-        throw Error(ExitCode::kDegenerate, "'" + path.string() + "' is a well-formed " +
-                                               said.format.name +
-                                               " file without points; export the scan again");
+        throw Error(ExitCode::kDegenerate, "'" + path.string() + "' " + why_no_points(said));
     }
     std::vector<Scan> scans;
     for (auto& [place, scan] : found) {

@@ -64,13 +64,15 @@ const ScanFormat* recognise_format(const std::filesystem::path& path) {
 
 std::unique_ptr<ScanFile> open_scan_file(const std::filesystem::path& path,
                                          const ReadSettings& settings) {
+    refuse_closed_folder(path);
     InputFile file(path);
     const std::vector<std::byte> head = head_of(file);
     if (const ScanFormat* format = recognise_format(head)) {
         return format->open(std::move(file), settings);
     }
-    if (!settings.columns.empty()) return open_text_table(std::move(file), settings);
     if (const ClosedFormat* closed = closed_format_of(path)) file.fail(how_to_export(*closed));
+    const bool as_table = !settings.columns.empty() || settings.delimiter != '\0';
+    if (as_table) return open_text_table(std::move(file), settings);
     if (const std::string why = why_no_text_table(head); !why.empty()) file.fail(why);
     file.fail("it is of no kind Glowworm knows (" + format_names() +
               "); export the scan as E57, LAS, PLY or PCD");

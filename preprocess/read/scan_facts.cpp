@@ -133,6 +133,7 @@ ScanFacts facts_of(const Scan& scan, const ScanCounts& counts) {
     ScanFacts facts;
     facts.counts = counts;
     facts.has_pose = scan.T_world_scan.has_value();
+    facts.crs = scan.crs;
     FactsCollector collector;
     PointBlock block;
     const auto for_each_block = [&](auto visit) {

@@ -12,7 +12,8 @@ void PointBlock::resize(std::size_t count, const ColumnSet& columns) {
     stations.resize(columns.stations ? count : 0);
     emissions.resize(columns.emissions ? count : 0);
     times.resize(columns.times ? count : 0);
-    invalid = 0;
+    grid.resize(columns.grid ? count : 0);
+    invalid = no_colour = no_intensity = 0;
 }
 
 }  // namespace glowworm

@@ -26,7 +26,7 @@ struct ReadSettings {
 /// Which columns the blocks of a scan have besides positions.
 struct ColumnSet {
     bool normals = false, colours = false, intensities = false, ndf_lengths = false, radii = false,
-         stations = false, emissions = false, times = false;
+         stations = false, emissions = false, times = false, grid = false;
 };
 
 /// Up to about 64 k points as columns: the unit in which files are read. A column is either empty
@@ -41,7 +41,10 @@ struct PointBlock {
     std::vector<std::uint32_t> stations;  ///< index of the scan it was seen from
     std::vector<Vec3f> emissions;         ///< radiance, W·sr⁻¹·m⁻²
     std::vector<double> times;            ///< s, the scanner's own clock
+    std::vector<GridCell> grid;           ///< of organised scans
     std::uint64_t invalid = 0;            ///< points the file itself marks as no return: left out
+    std::uint64_t no_colour = 0;          ///< marked as without colour: missing_values.h
+    std::uint64_t no_intensity = 0;       ///< likewise
 
     std::size_t size() const { return positions.size(); }
 

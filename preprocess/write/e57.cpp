@@ -82,6 +82,10 @@ void fill_packet(const PointCloud& cloud, const E57ScanLayout& scan, std::size_t
     if (scan.times) {
         add(8, [&](std::byte* to, std::uint32_t i) { store(to, points.times[i]); });
     }
+    if (scan.grid) {
+        add(4, [&](std::byte* to, std::uint32_t i) { store(to, points.grid[i].row); });
+        add(4, [&](std::byte* to, std::uint32_t i) { store(to, points.grid[i].column); });
+    }
 }
 
 }  // namespace

@@ -72,6 +72,12 @@ std::string prototype(const E57ScanLayout& scan) {
         }
     }
     if (scan.times) fields += "<timeStamp type=\"Float\" precision=\"double\"/>\n";
+    if (scan.grid) {
+        for (const char* name : {"rowIndex", "columnIndex"}) {
+            fields +=
+                fmt::format("<{} type=\"Integer\" minimum=\"0\" maximum=\"4294967295\"/>\n", name);
+        }
+    }
     return fields;
 }
 
@@ -100,6 +106,17 @@ std::string limits(const E57ScanLayout& scan) {
                 number("zMaximum", scan.most.z) + "</cartesianBounds>\n";
     }
     return text;
+}
+
+std::string index_bounds(const E57ScanLayout& scan) {
+    if (!scan.grid || scan.indices.empty()) return "";
+    return fmt::format(
+        "<indexBounds type=\"Structure\">\n"
+        "<rowMinimum type=\"Integer\">{}</rowMinimum>\n"
+        "<rowMaximum type=\"Integer\">{}</rowMaximum>\n"
+        "<columnMinimum type=\"Integer\">{}</columnMinimum>\n"
+        "<columnMaximum type=\"Integer\">{}</columnMaximum>\n</indexBounds>\n",
+        scan.first_cell.row, scan.last_cell.row, scan.first_cell.column, scan.last_cell.column);
 }
 
 std::string pose(const Station& station) {
@@ -132,7 +149,7 @@ std::string e57_description(std::span<const E57ScanLayout> scans, std::uint64_t 
             "<vectorChild type=\"Structure\">\n<guid type=\"String\">{}</guid>\n"
             "<name type=\"String\">{}</name>\n",
             guid(content_hash, i + 1), escaped(scan.station.name));
-        xml += pose(scan.station) + limits(scan);
+        xml += pose(scan.station) + limits(scan) + index_bounds(scan);
         xml += fmt::format(
             "<points type=\"CompressedVector\" fileOffset=\"{}\" recordCount=\"{}\">\n"
             "<prototype type=\"Structure\">\n{}</prototype>\n"

@@ -26,12 +26,13 @@ Vec3d to_station(const Station& station, const Vec3d& world) {
 }
 
 std::size_t E57ScanLayout::field_count() const {
-    return 3 + (colours ? 3 : 0) + (intensities ? 1 : 0) + (normals ? 3 : 0) + (times ? 1 : 0);
+    return 3 + (colours ? 3 : 0) + (intensities ? 1 : 0) + (normals ? 3 : 0) + (times ? 1 : 0) +
+           (grid ? 2 : 0);
 }
 
 std::size_t E57ScanLayout::record_bytes() const {
     return (doubles ? 24 : 12) + (colours ? 3 : 0) + (intensities ? 4 : 0) + (normals ? 12 : 0) +
-           (times ? 8 : 0);
+           (times ? 8 : 0) + (grid ? 8 : 0);
 }
 
 std::size_t E57ScanLayout::packet_records() const {
@@ -69,6 +70,7 @@ std::vector<E57ScanLayout> lay_out_e57(const PointCloud& cloud, const std::strin
         scan.intensities = !points.intensities.empty();
         scan.normals = !points.normals.empty();
         scan.times = !points.times.empty();
+        scan.grid = !points.grid.empty();
     }
     for (std::size_t i = 0; i < points.size(); ++i) {
         const std::size_t station =
@@ -83,6 +85,14 @@ std::vector<E57ScanLayout> lay_out_e57(const PointCloud& cloud, const std::strin
             const float value = points.intensities[i];
             scan.least_intensity = first ? value : std::min(scan.least_intensity, value);
             scan.most_intensity = first ? value : std::max(scan.most_intensity, value);
+        }
+        if (scan.grid) {
+            const GridCell& cell = points.grid[i];
+            if (first) scan.first_cell = scan.last_cell = cell;
+            scan.first_cell = {std::min(scan.first_cell.row, cell.row),
+                               std::min(scan.first_cell.column, cell.column)};
+            scan.last_cell = {std::max(scan.last_cell.row, cell.row),
+                              std::max(scan.last_cell.column, cell.column)};
         }
         scan.indices.push_back(static_cast<std::uint32_t>(i));
     }

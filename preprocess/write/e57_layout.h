@@ -17,7 +17,8 @@ struct E57ScanLayout {
     Vec3d least, most;                   ///< m, of its points in the station's frame
     float least_intensity = 0.0f, most_intensity = 0.0f;
     bool doubles = false;  ///< coordinates as double
-    bool colours = false, intensities = false, normals = false, times = false;
+    bool colours = false, intensities = false, normals = false, times = false, grid = false;
+    GridCell first_cell, last_cell;  ///< least and greatest row and column
 
     std::size_t field_count() const;
     std::size_t record_bytes() const;

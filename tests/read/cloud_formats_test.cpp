@@ -94,6 +94,23 @@ TEST(WriteE57, EveryStationComesBackAsAScanWithItsPose) {
     EXPECT_LT(worst_normal, 1e-6);
 }
 
+TEST(WriteE57, RowsAndColumnsOfOrganisedScansComeBack) {
+    PointCloud cloud = some_cloud(3000);
+    for (std::uint32_t i = 0; i < 3000; ++i)
+        cloud.points.grid.push_back({100000 + i % 7, i / 7});
+    const ScratchFolder folder;
+    write_cloud(cloud, folder / "cloud.e57");
+    const std::vector<Scan> scans = read_scans(folder / "cloud.e57");
+    std::size_t next[2] = {0, 0};
+    for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+        const std::uint32_t station = cloud.points.stations[i];
+        ASSERT_EQ(scans[station].points.grid.at(next[station]++), cloud.points.grid[i]);
+    }
+    // A scan without rows and columns takes them from the whole, as with every other column.
+    cloud.points.append(some_cloud(1).points);
+    EXPECT_TRUE(cloud.points.grid.empty());
+}
+
 TEST(WriteE57, NamesAreWhatXmlAllows) {
     const PointCloud cloud = some_cloud(10);
     const ScratchFolder folder;

@@ -9,6 +9,7 @@ namespace glowworm {
 namespace {
 
 using ::testing::Contains;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
@@ -62,6 +63,15 @@ TEST(Preflight, PointsThatWereDroppedOrRepeatAreNamed) {
     const auto ids = ids_of(scans, std::span(&report, 1));
     EXPECT_THAT(ids, ::testing::UnorderedElementsAre("points-at-origin", "points-not-finite",
                                                      "points-missing"));
+    report.scans = {{.name = "wall",
+                     .declared = 20007,
+                     .kept = 20000,
+                     .too_far = 7,
+                     .no_colour = 9,
+                     .no_intensity = 11}};
+    EXPECT_THAT(
+        ids_of(scans, std::span(&report, 1)),
+        ::testing::UnorderedElementsAre("points-too-far", "colour-invalid", "intensity-invalid"));
     Scan twice = wall("wall");
     twice.points.append(wall("wall").points);
     EXPECT_THAT(ids_of(twice), Contains("points-duplicate"));
@@ -78,6 +88,24 @@ TEST(Preflight, UnitsThatCannotBeMetresAreNamed) {
     feet.high = {10, 10, 10};
     feet.crs = "PROJCS[\"NAD83 / Oregon\",UNIT[\"Foot\",0.3048]]";
     EXPECT_EQ(preflight(std::span(&feet, 1)).at(0).id, "units-feet");
+    // As las_crs says GeoTIFF keys.
+    feet.crs = "NAD83 / Oregon, EPSG:2992, unit British foot, vertical unit metre";
+    EXPECT_EQ(preflight(std::span(&feet, 1)).at(0).id, "units-feet");
+    EXPECT_THAT(preflight(std::span(&feet, 1)).at(0).sentence, Not(HasSubstr("heights")));
+    for (const char* crs :
+         {"COMPD_CS[\"Oregon (m) + NAVD88 height (ftUS)\",PROJCS[\"Oregon\",UNIT[\"metre\",1]],"
+          "VERT_CS[\"NAVD88\",UNIT[\"US survey foot\",0.3048006]]]",
+          "UTM 17, unit metre, vertical unit US survey foot"}) {
+        feet.crs = crs;
+        ASSERT_THAT(preflight(std::span(&feet, 1)), ::testing::SizeIs(1));
+        EXPECT_EQ(preflight(std::span(&feet, 1))[0].id, "units-feet");
+        EXPECT_THAT(preflight(std::span(&feet, 1))[0].sentence, HasSubstr("heights"));
+    }
+    feet.crs = "PROJCS[\"Footpath cave, Taft\",UNIT[\"metre\",1]]";
+    EXPECT_THAT(preflight(std::span(&feet, 1)), IsEmpty());
+    Scan scan = wall("feet");
+    scan.crs = "PROJCS[\"NAD83 / Oregon\",UNIT[\"Foot_US\",0.3048006]]";
+    EXPECT_THAT(ids_of(scan), Contains("units-feet"));
 }
 
 TEST(Preflight, CoordinatesThatFloatBreaksAreNamed) {

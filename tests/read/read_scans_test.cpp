@@ -32,6 +32,20 @@ TEST(ReadScans, DropsAndCountsWhatIsNotFinite) {
     EXPECT_EQ(report.scans[0].declared, 5u);
 }
 
+TEST(ReadScans, DropsAndCountsNumbersThatAreNoPlaces) {
+    ReadReport report;
+    const auto scans = scans_from(
+        ply_of({"1e30 2 3 1", "1 2 3 2", "1 -1e38 3 3", "4 5 6 4", "1 2 1.7e308 5", "1 2 2e10 6"}),
+        {}, &report);
+    EXPECT_EQ(scans[0].points.intensities, (std::vector<float>{2, 4}));
+    EXPECT_EQ(scans[0].offset, Vec3d{}) << "the offset does not hang on them";
+    EXPECT_EQ(report.scans[0].too_far, 4u);
+
+    const auto outcome = outcome_of(ply_of({"1e30 1e30 1e30 1", "nan 0 0 1", "1e30 0 0 1"}));
+    EXPECT_EQ(outcome.code, ExitCode::kDegenerate);
+    EXPECT_THAT(outcome.sentence, ::testing::HasSubstr("1 not finite, 2 farther than 1e+10 m"));
+}
+
 TEST(ReadScans, OnePointAtTheOriginIsAPointTwoAreNoReturns) {
     ReadReport report;
     EXPECT_EQ(scans_from(ply_of({"1 0 0 1", "0 0 0 2", "2 0 0 3"}), {}, &report)[0].points.size(),
@@ -85,6 +99,22 @@ TEST(ReadScans, ClosedFormatsAreRefusedWithTheMenuThatExportsE57) {
         EXPECT_NE(outcome.sentence.find(program), std::string::npos) << outcome.sentence;
         EXPECT_NE(outcome.sentence.find("E57"), std::string::npos) << outcome.sentence;
     }
+    // FARO's scanners write folders of that name.
+    std::filesystem::create_directories(folder / "cave" / "Scan001.FLS" / "Scans");
+    for (const auto& [path, named] : {std::pair{folder / "cave" / "Scan001.FLS", "Scan001.FLS"},
+                                      {folder / "cave" / "Scan001.FLS" / "", "Scan001.FLS"},
+                                      {folder / "cave", "Scan001.FLS"}}) {
+        try {
+            find_scan_files(std::vector{path});
+            ADD_FAILURE() << path;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ExitCode::kUnreadable);
+            EXPECT_THAT(error.what(), ::testing::HasSubstr("SCENE"));
+            EXPECT_THAT(error.what(), ::testing::HasSubstr(named));
+        }
+    }
+    EXPECT_THAT(outcome_of_reading(folder / "cave" / "Scan001.FLS").sentence,
+                ::testing::HasSubstr("SCENE"));
     EXPECT_EQ(outcome_of_reading(write_file(folder / "really_a_ply.fls", ply_of({"1 2 3 4"}))).code,
               ExitCode::kDone);
 }
