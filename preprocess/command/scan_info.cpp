@@ -41,22 +41,6 @@ Json fields_json(const ScanDescription& scan) {
     return fields;
 }
 
-/// The grid of an organised scan as far as its points reach, from 0.
-struct Grid {
-    std::uint64_t rows = 0, columns = 0;
-};
-
-std::optional<Grid> grid_of(const ScanDescription& scan) {
-    if (!scan.header.columns.grid || scan.facts.counts.kept == 0) return std::nullopt;
-    Grid grid;
-    for (const FieldDescription& field : scan.fields) {
-        const auto count = static_cast<std::uint64_t>(field.high) + 1;
-        if (field.header.meaning == "row") grid.rows = count;
-        if (field.header.meaning == "column") grid.columns = count;
-    }
-    return grid;
-}
-
 Json scan_json(const ScanDescription& scan) {
     const ScanFacts& facts = scan.facts;
     const ScanCounts& counts = facts.counts;
@@ -78,8 +62,10 @@ Json scan_json(const ScanDescription& scan) {
     json["colour_bits"] = scan.header.colour_bits;
     json["T_world_scan"] = pose_json(scan.header.T_world_scan);
     json["crs"] = scan.header.crs;
-    const std::optional<Grid> grid = grid_of(scan);
-    json["grid"] = grid ? Json{{"rows", grid->rows}, {"columns", grid->columns}} : Json(nullptr);
+    json["grid"] = nullptr;
+    if (facts.grid_rows > 0) {
+        json["grid"] = {{"rows", facts.grid_rows}, {"columns", facts.grid_columns}};
+    }
     json["fields"] = fields_json(scan);
     json["metadata"] = Json::object();
     for (const auto& [key, value] : scan.header.metadata)
@@ -142,9 +128,9 @@ void print(const ScanDescription& scan) {
                    scan.offset.y, scan.offset.z);
     }
     fmt::print("pose        {}\n", pose_words(scan.header.T_world_scan));
-    if (const std::optional<Grid> grid = grid_of(scan)) {
-        fmt::print("grid        {} rows, {} columns\n", format_count(grid->rows),
-                   format_count(grid->columns));
+    if (facts.grid_rows > 0) {
+        fmt::print("grid        {} rows, {} columns\n", format_count(facts.grid_rows),
+                   format_count(facts.grid_columns));
     }
     if (scan.header.colour_bits > 0) fmt::print("colour      {} bits\n", scan.header.colour_bits);
     for (const auto& [key, value] : scan.header.metadata)

@@ -77,16 +77,21 @@ PointBlock first_at_origin(const PointBlock& block) {
 Vec3d choose_offset(const PointBlock& block) {
     constexpr double kFarthest = 1000.0;  // m
     if (block.size() == 0) return {};
-    Vec3d low = block.positions[0], high = low;
-    for (const Vec3d& p : block.positions) {
-        low = component_min(low, p);
-        high = component_max(high, p);
-    }
     Vec3d offset;
     bool far = false;
+    std::vector<double> values(block.size());
+    const std::size_t strays = block.size() / 100;
     for (int axis = 0; axis < 3; ++axis) {
-        far |= std::max(std::abs(low[axis]), std::abs(high[axis])) > kFarthest;
-        offset[axis] = std::round(0.5 * low[axis] + 0.5 * high[axis]);
+        std::ranges::transform(block.positions, values.begin(),
+                               [axis](const Vec3d& p) { return p[axis]; });
+        const auto value_at = [&](std::size_t rank) {
+            const auto place = values.begin() + static_cast<std::ptrdiff_t>(rank);
+            std::ranges::nth_element(values, place);
+            return *place;
+        };
+        const double low = value_at(strays), high = value_at(values.size() - 1 - strays);
+        far |= std::max(std::abs(low), std::abs(high)) > kFarthest;
+        offset[axis] = std::round(0.5 * low + 0.5 * high);
     }
     return far ? offset : Vec3d{};
 }

@@ -24,7 +24,9 @@ std::uint64_t drop_at_origin(PointBlock& block);
 PointBlock first_at_origin(const PointBlock& block);
 
 /// The whole metres to take out of positions so that float holds them: zero where no coordinate of
-/// `block` exceeds 1 km (float's step is 0.06 mm there), else the middle of the block's bounds.
+/// `block` exceeds 1 km (float's step is 0.06 mm there), else the middle of the block's bounds. The
+/// hundredth of the points that is farthest out on either side does not count: a single stray one
+/// must not cost all the others their millimetres.
 Vec3d choose_offset(const PointBlock& block);
 
 /// Appends `block` to `points`, whose positions are relative to `offset`.

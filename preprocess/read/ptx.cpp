@@ -51,13 +51,18 @@ class PtxFile final : public ScanFile {
         PtxHeader ptx;
         if (!read_header(ptx)) return false;
         header = {};
-        left_ = ptx.points();
+        left_ = total_ = ptx.points();
+        rows_ = invalid_ = 0;
+        cells_.clear();
+        // A single row or column is a list that is no grid.
+        const bool grid = ptx.columns > 1 && ptx.rows > 1 && ptx.columns <= UINT32_MAX;
+        grid_rows_ = grid ? ptx.rows : 0;
         header.declared_points = left_;
-        header.metadata = {{"grid", fmt::format("{} x {}", ptx.columns, ptx.rows)}};
         set_pose(ptx, header);
         layout_.fields.clear();
         read_rows();
         header.columns = columns_of(layout_);
+        header.columns.grid = grid;
         header.colour_bits = colour_bits(layout_);
         for (const RecordField& field : layout_.fields) {
             header.fields.push_back({std::string(column_name(field.column)), "text",
@@ -75,6 +80,7 @@ class PtxFile final : public ScanFile {
         }
         block.resize(rows_, columns_of(layout_));
         block.invalid = std::exchange(invalid_, 0);
+        if (grid_rows_ > 0) block.grid = std::exchange(cells_, {});
         decode_records(layout_, reinterpret_cast<const std::byte*>(values_.data()),
                        std::exchange(rows_, 0), 0, block);
         if (affine_) apply(*affine_, block);
@@ -166,10 +172,15 @@ class PtxFile final : public ScanFile {
                                        lines_.line_number()));
             }
             const bool no_return = row[0] == 0.0 && row[1] == 0.0 && row[2] == 0.0;
-            if (no_return)
+            if (no_return) {
                 ++invalid_;
-            else
-                ++rows_;
+                continue;
+            }
+            ++rows_;
+            if (grid_rows_ == 0) continue;
+            const std::uint64_t place = total_ - left_ - 1;  // columns one after the other
+            cells_.push_back({static_cast<std::uint32_t>(place % grid_rows_),
+                              static_cast<std::uint32_t>(place / grid_rows_)});
         }
     }
 
@@ -197,9 +208,12 @@ class PtxFile final : public ScanFile {
     RecordLayout layout_;
     std::optional<Eigen::Matrix4d> affine_;  // to be applied to the points
     bool first_ = true;
-    std::uint64_t left_ = 0;      // lines of the scan not yet read
-    std::vector<double> values_;  // [rows_][columns]
-    std::size_t rows_ = 0;        // read and not yet handed out
+    std::uint64_t total_ = 0;      // lines of the scan
+    std::uint64_t left_ = 0;       // lines of the scan not yet read
+    std::uint64_t grid_rows_ = 0;  // 0: no grid
+    std::vector<GridCell> cells_;  // [rows_]
+    std::vector<double> values_;   // [rows_][columns]
+    std::size_t rows_ = 0;         // read and not yet handed out
     std::uint64_t invalid_ = 0;
     std::string scratch_;
 };

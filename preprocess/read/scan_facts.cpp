@@ -69,6 +69,10 @@ void FactsCollector::add(const PointBlock& block, const Vec3d& origin) {
             if (hash_limit_ == 0) break;  // a stack of one point with the least hash
         }
     }
+    for (const GridCell& cell : block.grid) {
+        grid_rows_ = std::max(grid_rows_, std::uint64_t{cell.row} + 1);
+        grid_columns_ = std::max(grid_columns_, std::uint64_t{cell.column} + 1);
+    }
     for (const Rgb8& c : block.colours) {
         has_colours_ = true;
         darkest_ = {std::min(darkest_.r, c.r), std::min(darkest_.g, c.g),
@@ -84,6 +88,8 @@ void FactsCollector::finish(ScanFacts& facts) {
     facts.has_colours = has_colours_;
     facts.darkest = has_colours_ ? darkest_ : Rgb8{};
     facts.brightest = brightest_;
+    facts.grid_rows = grid_rows_;
+    facts.grid_columns = grid_columns_;
     facts.on_float_grid = on_float_grid_;
     std::ranges::sort(sampled_hashes_);
     // Not std::ranges::unique: clang 14 cannot compile what it returns.

@@ -18,8 +18,9 @@ struct ScanFacts {
     bool has_colours = false;
     Rgb8 darkest, brightest;       ///< least and greatest value of each channel
     double duplicate_share = 0.0;  ///< of the points, those at the place of an earlier one; sampled
-    bool on_float_grid = true;     ///< every coordinate is a 32-bit float
-    double spacing = 0.0;          ///< m, see median_spacing; 0 where unknown
+    std::uint64_t grid_rows = 0, grid_columns = 0;  ///< as far as points reach; 0: not organised
+    bool on_float_grid = true;                      ///< every coordinate is a 32-bit float
+    double spacing = 0.0;                           ///< m, see median_spacing; 0 where unknown
     bool has_pose = false;
     std::string crs;
 };
@@ -40,6 +41,7 @@ class FactsCollector {
     std::uint64_t points_ = 0;
     Vec3d low_, high_;
     bool has_colours_ = false, on_float_grid_ = true;
+    std::uint64_t grid_rows_ = 0, grid_columns_ = 0;
     Rgb8 darkest_{255, 255, 255}, brightest_{0, 0, 0};
     // Points whose hash is at most the limit: equal points are in or out together.
     std::vector<std::uint64_t> sampled_hashes_;

@@ -52,6 +52,13 @@ std::size_t parse_cells(std::string_view line, const TableShape& shape, std::spa
 bool work_out_table(const TextHead& head, char delimiter, const std::string& columns,
                     TableShape& shape);
 
+/// What ReadSettings::columns says of `count` columns: kNone for "-", for words that are not known
+/// and for what is left.
+std::vector<Column> columns_given(const std::string& words, std::size_t count);
+
+/// Whether x, y and z are among them.
+bool has_positions(const std::vector<Column>& columns);
+
 /// "spaces", "','", "tabs, with decimal commas".
 std::string delimiter_name(const TableShape& shape);
 

@@ -152,13 +152,19 @@ bool is_pts(std::span<const std::byte> bytes) {
     return count_numbers(head.lines[1]) >= 3;
 }
 
-std::unique_ptr<ScanFile> open_pts(InputFile file, const ReadSettings&) {
+std::unique_ptr<ScanFile> open_pts(InputFile file, const ReadSettings& settings) {
     TextHead head;
     const bool text = read_text_head(head_bytes(file), head) && head.lines.size() > 1;
     const std::size_t columns = text ? count_numbers(head.lines[1]) : 0;
     if (columns < 3) file.fail("its second line does not begin with x y z; export it again as PTS");
     TableShape shape;
     shape.columns = pts_columns(std::min<std::size_t>(columns, 64));
+    if (!settings.columns.empty()) {
+        shape.columns = columns_given(settings.columns, shape.columns.size());
+        if (!has_positions(shape.columns)) {
+            file.fail("--columns '" + settings.columns + "' lacks one of x, y and z");
+        }
+    }
     return std::make_unique<TextTable>(std::move(file), std::move(shape), true);
 }
 

@@ -160,12 +160,6 @@ std::vector<Column> columns_in_header(const TextHead& head, const Reading& readi
     return columns;
 }
 
-bool has_positions(const std::vector<Column>& columns) {
-    return std::ranges::all_of(std::vector{Column::kX, Column::kY, Column::kZ}, [&](Column c) {
-        return std::ranges::find(columns, c) != columns.end();
-    });
-}
-
 std::string names_of(const std::vector<Column>& columns) {
     std::string names;
     for (const Column column : columns) {
@@ -176,6 +170,23 @@ std::string names_of(const std::vector<Column>& columns) {
 }
 
 }  // namespace
+
+bool has_positions(const std::vector<Column>& columns) {
+    return std::ranges::all_of(std::vector{Column::kX, Column::kY, Column::kZ}, [&](Column c) {
+        return std::ranges::find(columns, c) != columns.end();
+    });
+}
+
+std::vector<Column> columns_given(const std::string& words, std::size_t count) {
+    std::vector<Column> columns;
+    std::string_view left = words;
+    for (auto word = take_word(left, " ,;\t"); !word.empty() && columns.size() < count;
+         word = take_word(left, " ,;\t")) {
+        columns.push_back(column_named(word));
+    }
+    columns.resize(count, Column::kNone);
+    return columns;
+}
 
 std::string delimiter_name(const TableShape& shape) {
     std::string name = shape.delimiter == ' '    ? "spaces"
@@ -208,14 +219,7 @@ bool work_out_table(const TextHead& head, char delimiter, const std::string& col
     }
     std::string source = "worked out from the values";
     if (!columns.empty()) {
-        std::string_view words = columns;
-        std::fill(reading->shape.columns.begin(), reading->shape.columns.end(), Column::kNone);
-        std::size_t at = 0;
-        for (auto word = take_word(words, " ,;\t");
-             !word.empty() && at < reading->shape.columns.size();
-             word = take_word(words, " ,;\t")) {
-            reading->shape.columns[at++] = column_named(word);
-        }
+        reading->shape.columns = columns_given(columns, reading->shape.columns.size());
         source = "as given";
     } else {
         bool named = false;

@@ -69,6 +69,9 @@ TEST(ReadScans, LargeCoordinatesKeepTenthsOfMillimetres) {
     EXPECT_EQ(scan.offset, (Vec3d{std::round(scan.offset.x), std::round(scan.offset.y),
                                   std::round(scan.offset.z)}));
     EXPECT_EQ(scans_from(ply_of({"999 0 0 1", "1 1 1 1"}))[0].offset, Vec3d{});
+    std::vector<std::string> points(200, "1.0001 2 3 1");
+    points[17] = "3000000 0 0 1";
+    EXPECT_EQ(scans_from(ply_of(points))[0].offset, Vec3d{}) << "a stray point moves nothing";
 }
 
 TEST(ReadScans, PathsThatAreNoFilesGetOneSentence) {

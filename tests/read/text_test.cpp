@@ -88,6 +88,16 @@ TEST(TextTable, WhatIsWorkedOutCanBeOverridden) {
                         {.columns = "x,y,z", .delimiter = '|'});
 }
 
+TEST(Pts, WhatItsColumnsMeanCanBeOverridden) {
+    const std::string pts = "2\n1 2 3 10 20 30\n4 5 6 11 21 31\n";
+    EXPECT_EQ(scans_from(pts)[0].points.colours[0], (Rgb8{10, 20, 30}));
+    const Points points = scans_from(pts, {.columns = "y x z - - intensity"})[0].points;
+    EXPECT_EQ(points.positions[0], (Vec3f{2, 1, 3}));
+    EXPECT_EQ(points.intensities[1], 31.0f);
+    EXPECT_TRUE(points.colours.empty());
+    EXPECT_EQ(testing::outcome_of(pts, {.columns = "x y"}).code, ExitCode::kUnreadable);
+}
+
 TEST(TextTable, LinesThatAreNoPointsAreCounted) {
     ReadReport report;
     std::string content;
@@ -159,6 +169,7 @@ TEST(Ptx, ScansCarryTheirPosesAndNoReturnsAreDropped) {
     EXPECT_EQ(report.scans[1].invalid, 1u);
     EXPECT_EQ(scans[1].points.size(), 3u);
     EXPECT_EQ(scans[1].points.colours[1], (Rgb8{0, 255, 0}));
+    EXPECT_EQ(scans[1].points.grid, (std::vector<GridCell>{{0, 0}, {0, 1}, {1, 1}}));
     const Eigen::Vector3d world = *scans[1].T_world_scan * Eigen::Vector3d(1, 0, 0);
     EXPECT_LT((world - Eigen::Vector3d(10, 21, 30)).norm(), 1e-12);
 }
