@@ -32,6 +32,26 @@ std::vector<std::byte> head_of(const InputFile& file) {
     return head;
 }
 
+/// What packed a file, by its first bytes; empty where nothing did.
+std::string_view packer_of(std::span<const std::byte> head) {
+    constexpr std::pair<std::string_view, std::string_view> kPackers[] = {
+        {"\x1f\x8b", "gzip"},
+        {"PK\x03\x04", "zip"},
+        {"7z\xbc\xaf", "7-Zip"},
+        {"BZh", "bzip2"},
+        {"\xfd"
+         "7zXZ",
+         "xz"},
+        {"\x28\xb5\x2f\xfd", "Zstandard"},
+        {"Rar!", "RAR"},
+    };
+    const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+    for (const auto& [magic, name] : kPackers) {
+        if (text.starts_with(magic)) return name;
+    }
+    return {};
+}
+
 std::string format_names() {
     std::string names;
     for (const ScanFormat& format : kFormats) {
@@ -71,6 +91,9 @@ std::unique_ptr<ScanFile> open_scan_file(const std::filesystem::path& path,
         return format->open(std::move(file), settings);
     }
     if (const ClosedFormat* closed = closed_format_of(path)) file.fail(how_to_export(*closed));
+    if (const std::string_view packer = packer_of(head); !packer.empty()) {
+        file.fail("it is packed by " + std::string(packer) + "; unpack it and name what was in it");
+    }
     const bool as_table = !settings.columns.empty() || settings.delimiter != '\0';
     if (as_table) return open_text_table(std::move(file), settings);
     if (const std::string why = why_no_text_table(head); !why.empty()) file.fail(why);

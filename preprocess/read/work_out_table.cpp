@@ -214,7 +214,8 @@ bool work_out_table(const TextHead& head, char delimiter, const std::string& col
     if (!reading && delimiter != '\0') reading = try_reading(head, delimiter, false);
     if (!reading) {
         shape.described =
-            "its lines are no table of points; export the scan as E57, LAS, PLY or PCD";
+            "its lines are no table of points; export the scan as E57, LAS, PLY or PCD, or say what "
+            "parts its columns with --delimiter";
         return false;
     }
     std::string source = "worked out from the values";

@@ -89,6 +89,16 @@ TEST(ReadScans, PathsThatAreNoFilesGetOneSentence) {
     }
 }
 
+TEST(ReadScans, PackedFilesAreRefusedWithTheNameOfThePacker) {
+    for (const auto& [magic, name] : {std::pair{"\x1f\x8b\x08 scan", "gzip"},
+                                      {"PK\x03\x04 scan", "zip"},
+                                      {"BZh91AY", "bzip2"}}) {
+        const auto outcome = outcome_of(magic);
+        EXPECT_EQ(outcome.code, ExitCode::kUnreadable);
+        EXPECT_THAT(outcome.sentence, ::testing::HasSubstr(std::string("packed by ") + name));
+    }
+}
+
 TEST(ReadScans, ClosedFormatsAreRefusedWithTheMenuThatExportsE57) {
     const ScratchFolder folder;
     for (const auto& [name, program] : {std::pair{"a.fls", "SCENE"},
