@@ -9,17 +9,19 @@
 namespace glowworm {
 namespace {
 
-/// Throws unless every scan was placed or the user goes on without those that were not.
+/// Throws unless every scan was placed and is held, or the user goes on without those that were
+/// not placed.
 void require_trust(const Registration& registration, bool allow_missing_scans) {
-    if (registration.unregistered == 0) return;
-    const std::size_t scans = registration.poses.scans.size();
-    const bool any_left = registration.unregistered < scans;
-    if (allow_missing_scans && any_left) return;
-    throw Error(
-        ExitCode::kNotTrustworthy,
-        fmt::format("{} of {} scans could not be placed; {}", registration.unregistered, scans,
-                    any_left ? "--allow-missing-scans goes on without them"
-                             : "check that the scans overlap, or give --poses"));
+    if (registration.trustworthy()) return;
+    const bool any_left = registration.unregistered < registration.poses.scans.size();
+    if (registration.loose.empty() && allow_missing_scans && any_left) return;
+    throw Error(ExitCode::kNotTrustworthy,
+                fmt::format("{}; {}", distrust(registration),
+                            !registration.loose.empty()
+                                ? "register the scans, look at their poses and go on with "
+                                  "--poses FILE --poses trust"
+                            : any_left ? "--allow-missing-scans goes on without them"
+                                       : "check that the scans overlap, or give --poses"));
 }
 
 }  // namespace

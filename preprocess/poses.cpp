@@ -82,9 +82,18 @@ PoseStatus parse_status(const std::string& text, const std::filesystem::path& fi
                              text));
 }
 
-double number_or_zero(const Json& object, const char* key) {
+std::optional<double> number_if_any(const Json& object, const char* key) {
     const auto found = object.find(key);
-    return found != object.end() && found->is_number() ? found->get<double>() : 0.0;
+    if (found == object.end() || !found->is_number()) return std::nullopt;
+    return found->get<double>();
+}
+
+double number_or_zero(const Json& object, const char* key) {
+    return number_if_any(object, key).value_or(0.0);
+}
+
+Json number_or_null(const std::optional<double>& number) {
+    return number ? Json(*number) : Json(nullptr);
 }
 
 Json axes_json(const std::vector<WeakAxis>& axes) {
@@ -152,8 +161,8 @@ Poses parse_poses(const std::string& text, const std::filesystem::path& file) {
         }
         pose.rmse = number_or_zero(entry, "rmse");
         pose.overlap = number_or_zero(entry, "overlap");
-        pose.loop_misclosure = number_or_zero(entry, "loop_misclosure");
-        pose.loop_misclosure_deg = number_or_zero(entry, "loop_misclosure_deg");
+        pose.loop_misclosure = number_if_any(entry, "loop_misclosure");
+        pose.loop_misclosure_deg = number_if_any(entry, "loop_misclosure_deg");
         pose.weak_axes = parse_axes(entry, file);
         poses.scans.push_back(std::move(pose));
     }
@@ -213,8 +222,8 @@ std::string format_poses(const Poses& poses) {
         entry["status"] = to_string(pose.status);
         entry["rmse"] = pose.rmse;
         entry["overlap"] = pose.overlap;
-        entry["loop_misclosure"] = pose.loop_misclosure;
-        entry["loop_misclosure_deg"] = pose.loop_misclosure_deg;
+        entry["loop_misclosure"] = number_or_null(pose.loop_misclosure);
+        entry["loop_misclosure_deg"] = number_or_null(pose.loop_misclosure_deg);
         entry["weak_axes"] = axes_json(pose.weak_axes);
         root["scans"].push_back(std::move(entry));
     }

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,10 +32,10 @@ struct ScanPose {
     /// Maps the frame of the file (the scan's offset included) to world − Poses::origin.
     Eigen::Isometry3d T_world_scan = Eigen::Isometry3d::Identity();
     PoseStatus status = PoseStatus::kUnregistered;
-    double rmse = 0;                  ///< m, worst of its accepted pairs
-    double overlap = 0;               ///< 0..1, best of its accepted pairs
-    double loop_misclosure = 0;       ///< m, worst over its accepted pairs
-    double loop_misclosure_deg = 0;   ///< degrees, worst over its accepted pairs
+    double rmse = 0;     ///< m, worst of its accepted pairs
+    double overlap = 0;  ///< 0..1, best of its accepted pairs
+    /// m and degrees, worst over its accepted pairs; none where no loop passes through it.
+    std::optional<double> loop_misclosure, loop_misclosure_deg;
     std::vector<WeakAxis> weak_axes;  ///< world
 };
 

@@ -214,12 +214,6 @@ void say_trust(const Registration& registration) {
     while (table.ends_with('\n'))
         table.pop_back();
     spdlog::info("how far each scan is trusted:\n{}", table);
-    if (registration.weak > 0) {
-        spdlog::warn(
-            "{} can shift or turn along a direction that their surfaces do not hold: see "
-            "weak_axes in the poses",
-            format_number_of(registration.weak, "scan"));
-    }
 }
 
 }  // namespace glowworm

@@ -37,10 +37,12 @@ struct Registration {
     double voxel_size = 0;  ///< m, used
     std::size_t pairs_tried = 0;
     std::size_t unregistered = 0;
-    std::size_t weak = 0;  ///< scans with a weak axis
+    /// Scans that can shift or turn along an axis that neither a chain of pairs nor a given pose
+    /// holds: indices, ascending. Their weak_axes say which.
+    std::vector<std::size_t> loose;
 
     /// Every scan is placed and held in every direction: else the command ends with exit code 5.
-    bool trustworthy() const { return unregistered == 0 && weak == 0; }
+    bool trustworthy() const { return unregistered == 0 && loose.empty(); }
 };
 
 /// Finds the pose of every scan. The world frame is that of the scans' given poses, else the
@@ -51,7 +53,12 @@ struct Registration {
 Registration align_scans(std::span<const Scan> scans, const RegistrationSettings& settings,
                          const Progress& progress = {});
 
-/// The trust report as a table for people: a line per scan, a line per accepted pair.
+/// The trust report as a table for people: a line per scan, a line per accepted pair. "-" where
+/// nothing was measured: a scan without pairs, a misclosure where no loop closes.
 std::string trust_table(const Registration& registration);
+
+/// What speaks against the result, naming the scans: half a sentence; empty where it is
+/// trustworthy.
+std::string distrust(const Registration& registration);
 
 }  // namespace glowworm

@@ -58,10 +58,17 @@ std::vector<double> closing_shares(std::span<const PairFit> pairs, const PairSet
     return shares;
 }
 
-/// Whether the scans of two groups leave each other's free space alone once `T` has moved the
-/// first group into the second's frame.
+}  // namespace
+
+Assembly apart(std::size_t scans) {
+    Assembly assembly{.poses = {scans, Eigen::Isometry3d::Identity()},
+                      .group = std::vector<std::size_t>(scans)};
+    std::iota(assembly.group.begin(), assembly.group.end(), std::size_t{0});
+    return assembly;
+}
+
 bool compatible(std::span<const ScanModel> models, const Assembly& assembly, std::size_t from,
-                std::size_t to, const Eigen::Isometry3d& T, double voxel_size) {
+                std::size_t to, const Eigen::Isometry3d& T_to_from, double voxel_size) {
     std::vector<ScanPair> across;
     for (std::size_t a = 0; a < models.size(); ++a) {
         if (assembly.group[a] != from) continue;
@@ -72,9 +79,9 @@ bool compatible(std::span<const ScanModel> models, const Assembly& assembly, std
     std::vector<Agreement> agreements(across.size());
     tbb::parallel_for(std::size_t{0}, across.size(), [&](std::size_t i) {
         const auto [a, b] = across[i];
-        agreements[i] =
-            verify(models[a], models[b], assembly.poses[b].inverse() * T * assembly.poses[a],
-                   1.5 * voxel_size, 500);
+        agreements[i] = verify(models[a], models[b],
+                               assembly.poses[b].inverse() * T_to_from * assembly.poses[a],
+                               1.5 * voxel_size, 500);
     });
     std::size_t against = 0, opinions = 0;
     for (const Agreement& a : agreements) {
@@ -83,15 +90,6 @@ bool compatible(std::span<const ScanModel> models, const Assembly& assembly, std
         opinions += contradict + a.agree();
     }
     return static_cast<double>(against) <= kMostContradicted * static_cast<double>(opinions);
-}
-
-}  // namespace
-
-Assembly apart(std::size_t scans) {
-    Assembly assembly{.poses = {scans, Eigen::Isometry3d::Identity()},
-                      .group = std::vector<std::size_t>(scans)};
-    std::iota(assembly.group.begin(), assembly.group.end(), std::size_t{0});
-    return assembly;
 }
 
 void assemble(std::span<const ScanModel> models, std::span<PairFit> pairs,

@@ -18,6 +18,11 @@ struct Assembly {
 /// Every scan by itself.
 Assembly apart(std::size_t scans);
 
+/// Whether the scans of two groups leave each other's free space alone once `T_to_from` has moved
+/// the group `from` into the frame of the group `to`.
+bool compatible(std::span<const ScanModel> models, const Assembly& assembly, std::size_t from,
+                std::size_t to, const Eigen::Isometry3d& T_to_from, double voxel_size);
+
 /// Joins groups along believed pairs, best evidence first: the share of closing triangles a pair is
 /// part of, then overlap. A pair joins two groups only where none of their scans, in their joint
 /// positions, see through each other; otherwise it loses its belief.

@@ -4,6 +4,7 @@
 
 #include "preprocess/register/correspondences.h"
 #include "preprocess/register/hypotheses.h"
+#include "preprocess/register/trust.h"
 
 namespace glowworm {
 namespace {
@@ -16,11 +17,23 @@ constexpr std::size_t kLeastInliers = 200;
 // Without free space only the fit itself can speak, so more of it is asked for.
 constexpr double kLeastOverlapAlone = 0.30;
 constexpr std::size_t kLeastMatchesAlone = 12;
+constexpr std::size_t kFinalists = 3;
 constexpr double kWorstRmse = 0.20;  // in voxel sizes; right ones lie below 0.08
 constexpr double kAgainst = 8.0;     // how many agreeing samples one contradiction outweighs
+// Of the winner's support: a believable pose elsewhere with that much is a rival. A passage that
+// repeats itself supports the least shift best, because then most is seen in common.
+constexpr double kRival = 0.4;
+constexpr double kElsewhere = 3.0;  // voxel sizes, at the middle of what is seen in common
 
 double support(const Agreement& agreement) {
     return agreement.best_overlap() - kAgainst * agreement.contradicted();
+}
+
+bool elsewhere(const Eigen::Isometry3d& T, const Fit& fit, double voxel_size) {
+    const Eigen::Isometry3d gap = T * fit.T_target_source.inverse();
+    const double shift = (gap * fit.centre - fit.centre).norm();
+    const double turn = Eigen::AngleAxisd(gap.rotation()).angle() * fit.extent;
+    return shift + turn > kElsewhere * voxel_size;
 }
 
 RefineSettings coarse_settings(const PairSettings& s, std::size_t samples) {
@@ -101,13 +114,28 @@ PairFit align_pair(const ScanModel& source, const ScanModel& target, const PairS
 
     // 3. The best supported ones refined finely, until one is believed.
     PairFit best;
-    for (std::size_t i = 0; i < std::min<std::size_t>(tried.size(), 3); ++i) {
+    for (std::size_t i = 0; i < std::min(tried.size(), kFinalists); ++i) {
         PairFit pair;
         pair.matches = tried[i].matches;
         refine_finely(source, target, tried[i].T, settings, pair);
         if (i == 0 || support(pair.agreement) > support(best.agreement)) best = pair;
         if (best.believed) break;
     }
+    if (!best.believed || !weak_axes(best.fit).empty()) return best;
+
+    // 4. Any other place that fits nearly as well?
+    for (const Tried& other : tried) {
+        if (other.support < kRival * support(best.agreement)) break;
+        if (!elsewhere(other.T, best.fit, settings.voxel_size)) continue;
+        PairFit rival;
+        rival.matches = other.matches;
+        refine_finely(source, target, other.T, settings, rival);
+        best.ambiguous = rival.believed &&
+                         support(rival.agreement) >= kRival * support(best.agreement) &&
+                         elsewhere(rival.fit.T_target_source, best.fit, settings.voxel_size);
+        if (best.ambiguous) break;
+    }
+    best.believed = !best.ambiguous;
     return best;
 }
 

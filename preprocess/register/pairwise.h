@@ -18,6 +18,7 @@ struct PairFit {
     Fit fit;
     Agreement agreement;
     std::size_t matches = 0;  ///< correspondences that agree with it; 0 where a pose was given
+    bool ambiguous = false;   ///< another pose, elsewhere, could be believed too
     bool believed = false;    ///< by the evidence of the pair alone
     bool accepted = false;    ///< believed, and the other scans do not disagree
 };
@@ -36,7 +37,9 @@ PairFit judge(const ScanModel& source, const ScanModel& target, const Eigen::Iso
               const PairSettings& settings);
 
 /// The best supported pose of a pair from nothing: descriptors matched, guesses grown, each refined
-/// and verified, the winner refined finely. Not believed where there is none.
+/// and verified, the winner refined finely. Not believed where there is none, nor where a second
+/// pose that lies elsewhere could be believed as well, as in a passage that repeats itself;
+/// unless the winner has weak axes, which say it already.
 PairFit align_pair(const ScanModel& source, const ScanModel& target, const PairSettings& settings);
 
 /// Whether the evidence of the pair alone speaks for it: enough surface in common, (almost) none

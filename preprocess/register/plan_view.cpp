@@ -1,5 +1,6 @@
 #include "preprocess/register/plan_view.h"
 
+#include <fmt/format.h>
 #include <png.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 
 #include "octree/atomic_file.h"
 #include "octree/error.h"
+#include "preprocess/register/lettering.h"
 
 namespace glowworm {
 namespace {
@@ -16,9 +18,14 @@ namespace {
 constexpr std::uint8_t kPaper = 16;  // of 255: scans glow on a dark ground
 constexpr double kMargin = 0.04;     // of the longer side
 constexpr int kStationRadius = 6;    // pixels
+constexpr int kLetters = 2;          // pixels per dot of the letters
+constexpr int kLine = 24;            // pixels between lines of the legend
+constexpr std::uint8_t kPale = 200;  // of 255: words and marks
+constexpr std::size_t kLongestName = 32;
 
 struct Placed {
     const Scan* scan;
+    std::string name;
     Eigen::Isometry3f T_plan_scan;  ///< of the scan's positions
     Eigen::Vector3f station;
 };
@@ -51,6 +58,23 @@ class Canvas {
     void set(int x, int y, std::uint8_t r, std::uint8_t g, std::uint8_t b) {
         if (!inside(x, y)) return;
         rgb[at(x, y)] = r, rgb[at(x, y) + 1] = g, rgb[at(x, y) + 2] = b;
+    }
+    void write(const std::string& text, int x, int y, std::uint8_t r, std::uint8_t g,
+               std::uint8_t b) {
+        draw_text(text, x, y, kLetters, [&](int u, int v) { set(u, v, r, g, b); });
+    }
+    void disc(int cx, int cy, const std::array<float, 3>& colour) {
+        for (int dy = -kStationRadius; dy <= kStationRadius; ++dy) {
+            for (int dx = -kStationRadius; dx <= kStationRadius; ++dx) {
+                const int d2 = dx * dx + dy * dy;
+                if (d2 > kStationRadius * kStationRadius) continue;
+                const bool ring = d2 > (kStationRadius - 2) * (kStationRadius - 2);
+                const auto code = [&](std::size_t k) {
+                    return ring ? std::uint8_t{255} : static_cast<std::uint8_t>(255.0f * colour[k]);
+                };
+                set(cx + dx, cy + dy, code(0), code(1), code(2));
+            }
+        }
     }
     /// Points over one another add up to 1 - exp(-light).
     void develop(float exposure) {
@@ -102,6 +126,44 @@ double round_length(double length) {
     return power;
 }
 
+std::string short_name(const std::string& file) {
+    std::string name = std::filesystem::path(file).filename().string();
+    if (name.size() > kLongestName) name = "..." + name.substr(name.size() - kLongestName + 3);
+    return name;
+}
+
+/// The names beside the map: placed scans by number and colour, then those that are not placed.
+void draw_legend(Canvas& canvas, std::span<const Placed> placed,
+                 std::span<const std::string> unplaced, int left) {
+    const int rows = std::max(1, static_cast<int>(canvas.height) / kLine - 3);
+    int line = 0;
+    const auto place = [&] { return kLine + kLine * line++; };
+    for (std::size_t s = 0; s < placed.size() && line < rows; ++s) {
+        const int y = place();
+        canvas.disc(left + kStationRadius, y + kLine / 4, scan_colour(s));
+        canvas.write(fmt::format("{} {}", s + 1, placed[s].name), left + 3 * kStationRadius, y,
+                     kPale, kPale, kPale);
+    }
+    for (std::size_t s = 0; s < unplaced.size() && line < rows; ++s)
+        canvas.write(fmt::format("not placed: {}", unplaced[s]), left, place(), 255, 96, 96);
+    const std::size_t all = placed.size() + unplaced.size();
+    if (all > static_cast<std::size_t>(line)) {
+        canvas.write(fmt::format("and {} more", all - static_cast<std::size_t>(line)), left,
+                     place(), kPale, kPale, kPale);
+    }
+}
+
+/// An arrow of `length` pixels up from (x, y), the word at its tip.
+void draw_arrow(Canvas& canvas, int x, int y, int length, const std::string& word) {
+    for (int v = 0; v < length; ++v) {
+        const int half = std::max(1, std::min(8, v / 2) * (v < 16 ? 1 : 0));
+        for (int u = -half; u <= half; ++u)
+            canvas.set(x + u, y - length + v, kPale, kPale, kPale);
+    }
+    canvas.write(word, x - text_width(word, kLetters) / 2, y - length - text_height(kLetters) - 2,
+                 kPale, kPale, kPale);
+}
+
 }  // namespace
 
 void write_plan_view(std::span<const Scan> scans, const Poses& poses,
@@ -111,14 +173,19 @@ void write_plan_view(std::span<const Scan> scans, const Poses& poses,
     }
     // 1. Placed scans, relative to the first station so that floats hold them.
     std::vector<Placed> placed;
+    std::vector<std::string> unplaced;
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (const Scan& scan : scans) {
         const ScanPose* pose = find_pose(poses, scan);
-        if (pose == nullptr || pose->status == PoseStatus::kUnregistered) continue;
+        if (pose == nullptr || pose->status == PoseStatus::kUnregistered) {
+            unplaced.push_back(short_name(pose_file(scan)));
+            continue;
+        }
         const Eigen::Isometry3d T =
             pose->T_world_scan * Eigen::Translation3d(scan.offset.x, scan.offset.y, scan.offset.z);
         if (placed.empty()) middle = T.translation();
-        placed.push_back({&scan, (Eigen::Translation3d(-middle) * T).cast<float>(),
+        placed.push_back({&scan, short_name(pose_file(scan)),
+                          (Eigen::Translation3d(-middle) * T).cast<float>(),
                           (pose->T_world_scan.translation() - middle).cast<float>()});
     }
     // 2. What to show: all but the farthest hundredth of the points.
@@ -151,7 +218,18 @@ void write_plan_view(std::span<const Scan> scans, const Poses& poses,
     const auto side = [&](double length) {
         return static_cast<std::uint32_t>(std::lround(scale * length + 2.0 * border));
     };
-    Canvas canvas(side(right - left), side(high - low));
+    // The legend stands right of the map, which is at least high enough for a few lines.
+    std::uint32_t words = 0;
+    const auto widen = [&](const std::string& text) {
+        words = std::max(words, static_cast<std::uint32_t>(text_width(text, kLetters)));
+    };
+    for (const Placed& p : placed)
+        widen("0000 " + p.name);
+    for (const std::string& name : unplaced)
+        widen("not placed: " + name);
+    const std::uint32_t map_width = side(right - left);
+    Canvas canvas(map_width + words + 4 * kStationRadius,
+                  std::max<std::uint32_t>(side(high - low), 8 * kLine));
     const auto column = [&](float x) {
         return static_cast<int>(border + scale * (static_cast<double>(x) - left));
     };
@@ -174,27 +252,29 @@ void write_plan_view(std::span<const Scan> scans, const Poses& poses,
         static_cast<double>(drawn) / (static_cast<double>(canvas.width) * canvas.height);
     canvas.develop(static_cast<float>(0.35 / std::max(density, 0.05)));
     for (std::size_t s = 0; s < placed.size(); ++s) {
-        const std::array<float, 3> colour = scan_colour(s);
-        const int cx = column(placed[s].station.x()), cy = row(placed[s].station.y());
-        for (int dy = -kStationRadius; dy <= kStationRadius; ++dy) {
-            for (int dx = -kStationRadius; dx <= kStationRadius; ++dx) {
-                const int d2 = dx * dx + dy * dy;
-                if (d2 > kStationRadius * kStationRadius) continue;
-                const bool ring = d2 > (kStationRadius - 2) * (kStationRadius - 2);
-                const auto code = [&](std::size_t k) {
-                    return ring ? std::uint8_t{255} : static_cast<std::uint8_t>(255.0f * colour[k]);
-                };
-                canvas.set(cx + dx, cy + dy, code(0), code(1), code(2));
-            }
+        const int x = column(placed[s].station.x()), y = row(placed[s].station.y());
+        canvas.disc(x, y, scan_colour(s));
+        const std::string number = fmt::format("{}", s + 1);
+        for (int v = -kStationRadius - 2; v < text_height(kLetters) - kStationRadius; ++v) {
+            for (int u = 0; u < text_width(number, kLetters) + 4; ++u)
+                canvas.set(x + kStationRadius + 1 + u, y + v, kPaper, kPaper, kPaper);
         }
+        canvas.write(number, x + kStationRadius + 3, y - kStationRadius, 255, 255, 255);
     }
-    const int bar = static_cast<int>(scale * round_length(0.3 * longest));
+    const double length = round_length(0.3 * longest);
+    const int bar = static_cast<int>(scale * length), bottom = static_cast<int>(canvas.height) - 12;
+    const int start = static_cast<int>(border);
     for (int x = 0; x < bar; ++x) {
-        for (int y = 0; y < 3; ++y) {
-            canvas.set(static_cast<int>(border) + x, static_cast<int>(canvas.height) - 12 + y, 255,
-                       255, 255);
-        }
+        for (int y = 0; y < 3; ++y)
+            canvas.set(start + x, bottom + y, kPale, kPale, kPale);
     }
+    canvas.write(fmt::format("{:g} m", length), start, bottom - text_height(kLetters) - 2, kPale,
+                 kPale, kPale);
+    const int legend = static_cast<int>(map_width) + kStationRadius;
+    draw_legend(canvas, placed, unplaced, legend);
+    // Coordinates of a national grid have north along Y; others only say where Y is.
+    const bool georeferenced = poses.origin != Vec3d{};
+    draw_arrow(canvas, legend + 2 * kStationRadius, bottom, 48, georeferenced ? "N" : "Y");
     write_png(canvas, file);
 }
 

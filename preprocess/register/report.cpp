@@ -1,17 +1,18 @@
 #include "preprocess/register/report.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
+#include "preprocess/register/hold.h"
 #include "preprocess/register/trust.h"
 
 namespace glowworm {
 namespace {
 
 constexpr double kDegrees = 57.29577951308232;
+constexpr double kMuchBetter = 0.5;  // of the gap to the other given poses
 
 Eigen::Vector3d as_eigen(const Vec3d& v) {
     return {v.x, v.y, v.z};
@@ -32,38 +33,61 @@ std::size_t main_group(const Assembly& assembly) {
     return best;
 }
 
-/// Information about the pose of scan `i` from all its accepted pairs, in the world.
-Fit joint_information(std::size_t i, std::span<const PairFit> pairs,
-                      std::span<const Eigen::Isometry3d> poses) {
-    Fit joint;
-    double weight = 0.0;
-    for (const bool summing : {false, true}) {
-        for (const PairFit& pair : pairs) {
-            if (!pair.accepted || (pair.source != i && pair.target != i)) continue;
-            const Eigen::Isometry3d& T = poses[pair.target];
-            const Eigen::Vector3d centre = T * pair.fit.centre;
-            const double w = pair.fit.information.bottomRightCorner<3, 3>().trace();
-            if (!summing) {
-                joint.centre += w * centre;
-                weight += w;
-                continue;
-            }
-            // A turn about the joint centre shifts this pair's centre as well.
-            Matrix6d A = Matrix6d::Identity();
-            A.topLeftCorner<3, 3>() = T.rotation().transpose();
-            A.bottomRightCorner<3, 3>() = T.rotation().transpose();
-            const Eigen::Vector3d arm = centre - joint.centre;
-            Eigen::Matrix3d cross;
-            cross << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
-            A.bottomLeftCorner<3, 3>() = T.rotation().transpose() * cross;
-            joint.information += A.transpose() * pair.fit.information * A;
-            joint.extent += w * (pair.fit.extent * pair.fit.extent + arm.squaredNorm());
-        }
-        if (weight <= 0.0) return joint;
-        if (!summing) joint.centre /= weight;
+/// Per group with given poses the scan whose pose places it: the one that the others' given poses
+/// agree with best, the first where none is much better.
+std::map<std::size_t, std::size_t> holders(std::span<const ScanModel> models,
+                                           const LocalFrame& frame, const Assembly& assembly) {
+    std::map<std::size_t, std::vector<std::size_t>> members;
+    for (std::size_t i = 0; i < models.size(); ++i) {
+        if (frame.given[i]) members[assembly.group[i]].push_back(i);
     }
-    joint.extent = std::sqrt(joint.extent / weight);
-    return joint;
+    std::map<std::size_t, std::size_t> holder;
+    for (const auto& [group, given] : members) {
+        double best = std::numeric_limits<double>::infinity();
+        for (const std::size_t i : given) {
+            const Eigen::Isometry3d T = given_pose(models, frame, i) * assembly.poses[i].inverse();
+            std::vector<double> gaps;
+            for (const std::size_t j : given) {
+                gaps.push_back((T * assembly.poses[j].translation() -
+                                given_pose(models, frame, j).translation())
+                                   .norm());
+            }
+            const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
+            std::nth_element(gaps.begin(), middle, gaps.end());
+            if (!(*middle < kMuchBetter * best)) continue;
+            best = *middle;
+            holder[group] = i;
+        }
+    }
+    return holder;
+}
+
+/// Takes away the place of groups whose given poses put them into the free space of larger ones.
+void drop_contradicted(std::span<const ScanModel> models, const LocalFrame& frame,
+                       const Assembly& assembly, const PairSettings& settings,
+                       const std::map<std::size_t, Eigen::Isometry3d>& T_local_group,
+                       std::map<std::size_t, std::size_t>& holder) {
+    std::vector<std::size_t> order;
+    for (const auto& [group, scan] : holder)
+        order.push_back(group);
+    const auto size = [&](std::size_t g) {
+        return std::count(assembly.group.begin(), assembly.group.end(), g);
+    };
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return size(a) > size(b); });
+    std::vector<std::size_t> kept;
+    for (const std::size_t g : order) {
+        const bool free = std::all_of(kept.begin(), kept.end(), [&](std::size_t k) {
+            return compatible(models, assembly, g, k,
+                              T_local_group.at(k).inverse() * T_local_group.at(g),
+                              settings.voxel_size);
+        });
+        if (free || frame.fixed[holder.at(g)]) {
+            kept.push_back(g);
+        } else {
+            holder.erase(g);
+        }
+    }
 }
 
 }  // namespace
@@ -78,26 +102,21 @@ void write_report(std::span<const Scan> scans, std::span<const ScanModel> models
     Poses& poses = result.poses;
     poses.origin = any_given ? frame.origin : scans[main].offset;
 
-    // Each group's motion into the local frame: its first given pose, else the main group's own.
+    // Each group's motion into the local frame: by its given poses, else the main group's own.
     std::vector<Eigen::Isometry3d> T_model_scan;  // from positions
     for (const ScanModel& model : models) {
         T_model_scan.emplace_back(Eigen::Quaterniond(model.R_model_scan));
     }
+    std::map<std::size_t, std::size_t> holder = holders(models, frame, assembly);
+    if (!any_given) holder[main] = main;
     std::map<std::size_t, Eigen::Isometry3d> T_local_group;
-    std::map<std::size_t, std::size_t> holder;
-    for (std::size_t i = 0; i < n; ++i) {
-        const std::size_t g = assembly.group[i];
-        if (holder.contains(g)) continue;
-        if (frame.given[i]) {
-            T_local_group[g] = given_pose(models, frame, i) * assembly.poses[i].inverse();
-            holder[g] = i;
-        } else if (!any_given && g == main && i == main) {
-            T_local_group[g] = T_model_scan[i].inverse() * assembly.poses[i].inverse();
-            holder[g] = i;
-        }
+    for (const auto& [g, i] : holder) {
+        const Eigen::Isometry3d T_local_model =
+            any_given ? given_pose(models, frame, i) : T_model_scan[i].inverse();
+        T_local_group[g] = T_local_model * assembly.poses[i].inverse();
     }
-    const std::size_t reference =
-        any_given && !holder.contains(main) ? holder.begin()->second : holder.at(main);
+    if (any_given) drop_contradicted(models, frame, assembly, settings, T_local_group, holder);
+    const std::size_t reference = holder.contains(main) ? holder.at(main) : holder.begin()->second;
 
     std::vector<Eigen::Isometry3d> local(n, Eigen::Isometry3d::Identity());
     for (std::size_t i = 0; i < n; ++i) {
@@ -117,6 +136,7 @@ void write_report(std::span<const Scan> scans, std::span<const ScanModel> models
         poses.scans.push_back(pose);
     }
 
+    const std::vector<std::uint8_t> in_loop = scans_in_loops(pairs, n);
     for (const PairFit& pair : pairs) {
         if (pair.fit.inliers == 0) continue;
         PairPose entry{.source = poses.scans[pair.source].file,
@@ -139,54 +159,21 @@ void write_report(std::span<const Scan> scans, std::span<const ScanModel> models
             ScanPose& pose = poses.scans[i];
             pose.rmse = std::max(pose.rmse, pair.fit.rmse);
             pose.overlap = std::max(pose.overlap, pair.agreement.best_overlap());
-            pose.loop_misclosure = std::max(pose.loop_misclosure, gap.shift);
-            pose.loop_misclosure_deg = std::max(pose.loop_misclosure_deg, gap.turn * kDegrees);
+            if (!in_loop[i] || !in_loop[i == pair.source ? pair.target : pair.source]) continue;
+            pose.loop_misclosure = std::max(pose.loop_misclosure.value_or(0.0), gap.shift);
+            pose.loop_misclosure_deg =
+                std::max(pose.loop_misclosure_deg.value_or(0.0), gap.turn * kDegrees);
         }
     }
+    std::vector<std::uint8_t> given(n);
+    for (std::size_t i = 0; i < n; ++i)
+        given[i] = i == reference || frame.given[i].has_value();
+    const std::vector<std::vector<WeakAxis>> loose = loose_axes(pairs, local, given);
     for (std::size_t i = 0; i < n; ++i) {
-        poses.scans[i].weak_axes = weak_axes(joint_information(i, pairs, local));
-        result.weak += poses.scans[i].weak_axes.empty() ? 0 : 1;
+        if (poses.scans[i].status == PoseStatus::kUnregistered) continue;
+        poses.scans[i].weak_axes = loose[i];
+        if (!given[i] && !loose[i].empty()) result.loose.push_back(i);
     }
-}
-
-std::string trust_table(const Registration& registration) {
-    const auto shortened = [](const std::string& file) {
-        const std::size_t slash = file.rfind('/');
-        return slash == std::string::npos ? file : file.substr(slash + 1);
-    };
-    const auto axes = [](const std::vector<WeakAxis>& weak) {
-        std::string text;
-        for (const WeakAxis& w : weak) {
-            text += fmt::format("{}{} ({:.2f} {:.2f} {:.2f})", text.empty() ? "" : ", ",
-                                w.rotation ? "turn about" : "shift along", w.axis.x, w.axis.y,
-                                w.axis.z);
-        }
-        return text.empty() ? std::string("-") : text;
-    };
-    const Poses& poses = registration.poses;
-    std::size_t width = 4;
-    for (const ScanPose& pose : poses.scans)
-        width = std::max(width, shortened(pose.file).size());
-
-    std::string text = fmt::format("{:<{}}  {:<12} {:>7} {:>8} {:>12} {:>11}  weak axes\n", "scan",
-                                   width, "status", "overlap", "rmse mm", "loop mm", "loop deg");
-    for (const ScanPose& pose : poses.scans) {
-        text += fmt::format("{:<{}}  {:<12} {:>6.0f}% {:>8.1f} {:>12.1f} {:>11.3f}  {}\n",
-                            shortened(pose.file), width, to_string(pose.status),
-                            100.0 * pose.overlap, 1000.0 * pose.rmse, 1000.0 * pose.loop_misclosure,
-                            pose.loop_misclosure_deg, axes(pose.weak_axes));
-    }
-    text +=
-        fmt::format("\n{:<{}}  {:<{}} {:>8} {:>8} {:>8} {:>8} {:>8}  weak axes\n", "source", width,
-                    "target", width, "overlap", "through", "rmse mm", "p95 mm", "inliers");
-    for (const PairPose& pair : poses.pairs) {
-        if (!pair.accepted) continue;
-        text += fmt::format("{:<{}}  {:<{}} {:>7.0f}% {:>7.1f}% {:>8.1f} {:>8.1f} {:>8}  {}\n",
-                            shortened(pair.source), width, shortened(pair.target), width,
-                            100.0 * pair.overlap, 100.0 * pair.contradicted, 1000.0 * pair.rmse,
-                            1000.0 * pair.p95, pair.inliers, axes(pair.weak_axes));
-    }
-    return text;
 }
 
 }  // namespace glowworm

@@ -1,4 +1,7 @@
 // Real and simulated scans with known poses; the accuracy asked for is the one that is promised.
+#include <tbb/global_control.h>
+
+#include <random>
 #include <sstream>
 
 #include "preprocess/merge.h"
@@ -88,6 +91,45 @@ TEST(RegistrationData, PlacesTheNineScansOfTheSimulatedCave) {
                 walls - walls_left, walls);
     EXPECT_GE(people - people_left, people * 9 / 10);
     EXPECT_LE(walls - walls_left, walls / 100);
+}
+
+TEST(RegistrationData, AgreesWithinAMillimetreFromAnyStartOnAnyNumberOfThreads) {
+    GLOWWORM_DATA_OR_SKIP(data);
+    std::vector<Scan> scans =
+        testing::load_clean(data / "scans/D_cavern", {"scan00.ply", "scan01.ply", "scan05.ply"});
+    for (Scan& scan : scans)  // a fifth of the points keeps this quick
+        scan.points = thin(scan.points, 0.05);
+    std::mt19937 rng(11);
+    std::normal_distribution<double> normal;
+    std::vector<Eigen::Isometry3d> first;
+    for (const std::size_t threads : {1, 2, 3}) {
+        std::vector<Scan> started = scans;
+        std::vector<Eigen::Isometry3d> starts, found;
+        for (Scan& scan : started) {
+            Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+            T.linear() = Eigen::Quaterniond(normal(rng), normal(rng), normal(rng), normal(rng))
+                             .normalized()
+                             .toRotationMatrix();
+            for (Vec3f& p : scan.points.positions) {
+                const Eigen::Vector3d q = T.linear() * Eigen::Vector3d(p.x, p.y, p.z);
+                p = vec3_cast<float>(Vec3d{q.x(), q.y(), q.z()});
+            }
+            starts.push_back(T);
+        }
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        const Registration result = align_scans(started, {});
+        EXPECT_EQ(result.unregistered, 0u);
+        for (std::size_t i = 0; i < scans.size(); ++i)
+            found.emplace_back(result.poses.scans[i].T_world_scan * starts[i]);
+        if (first.empty()) first = found;
+        for (std::size_t i = 1; i < scans.size(); ++i) {
+            const PoseError e =
+                pose_error(found[0].inverse() * found[i], first[0].inverse() * first[i]);
+            std::printf("%zu threads, scan %zu: apart by %.5f deg, %.4f mm\n", threads, i,
+                        e.degrees, e.millimetres);
+            EXPECT_LE(e.millimetres, 1.0);
+        }
+    }
 }
 
 TEST(RegistrationData, PlacesTheRealTerrestrialScans) {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "octree/error.h"
+#include "preprocess/register/hold.h"
 #include "preprocess/register/plan_view.h"
 #include "simulated_cave.h"
 #include "testing.h"
@@ -184,6 +185,40 @@ TEST(Registration, SaysWhichWayAStraightTunnelLeavesOpen) {
         along = along || (!axis.rotation && std::abs(axis.axis.x) > 0.95);
     }
     EXPECT_TRUE(along);
+    EXPECT_EQ(result.loose, std::vector<std::size_t>{1});
+    EXPECT_NE(distrust(result).find("nothing they see holds (tube2)"), std::string::npos)
+        << distrust(result);
+}
+
+TEST(Registration, MakesEveryScanBehindAWeakLinkLoose) {
+    // 0 and 1 hold each other, 2 and 3 do; between 1 and 2 lies a bare tunnel along X.
+    const auto pair = [](std::size_t target, std::size_t source, bool tunnel) {
+        PairFit fit;
+        fit.target = target;
+        fit.source = source;
+        fit.accepted = true;
+        fit.fit.extent = 2.0;
+        fit.fit.information = 1000.0 * Matrix6d::Identity();
+        fit.fit.information.topLeftCorner<3, 3>() *= 4.0;
+        if (tunnel) fit.fit.information(3, 3) = 0.01;
+        return fit;
+    };
+    const std::vector<Eigen::Isometry3d> poses(4, Eigen::Isometry3d::Identity());
+    std::vector<PairFit> pairs{pair(0, 1, false), pair(2, 3, false), pair(1, 2, true)};
+    const auto loose = loose_axes(pairs, poses, std::vector<std::uint8_t>{1, 0, 0, 0});
+    EXPECT_TRUE(loose[0].empty());
+    EXPECT_TRUE(loose[1].empty());
+    for (const std::size_t i : {2, 3}) {
+        ASSERT_EQ(loose[i].size(), 1u);
+        EXPECT_NEAR(std::abs(loose[i][0].axis.x), 1.0, 1e-9);
+        EXPECT_FALSE(loose[i][0].rotation);
+    }
+    EXPECT_EQ(scans_in_loops(pairs, 4), (std::vector<std::uint8_t>{0, 0, 0, 0}));
+    // Another way round that holds along X makes all firm.
+    pairs.push_back(pair(0, 3, false));
+    for (const auto& axes : loose_axes(pairs, poses, std::vector<std::uint8_t>{1, 0, 0, 0}))
+        EXPECT_TRUE(axes.empty());
+    EXPECT_EQ(scans_in_loops(pairs, 4), (std::vector<std::uint8_t>{1, 1, 1, 1}));
 }
 
 TEST(Registration, RefinesGivenPosesAndTrustsOrIgnoresThemOnRequest) {
@@ -238,6 +273,48 @@ TEST(Registration, GivesUpGivenPosesThatTheSurfacesContradict) {
     EXPECT_LE(worst_error(result, site.truth).millimetres, 10.0);
 }
 
+TEST(Registration, PlacesTheWorldByTheGivenPosesThatAgree) {
+    // The first scan's pose is wrong, the others' are right.
+    Site site = two_chamber_site();
+    site.scans.resize(3);
+    for (std::size_t i = 0; i < 3; ++i)
+        site.scans[i].T_world_scan = site.truth[i];
+    site.scans[0].T_world_scan = Eigen::Translation3d(0.9, -0.4, 0) * site.truth[0] *
+                                 Eigen::AngleAxisd(std::numbers::pi / 3, Eigen::Vector3d::UnitZ());
+    const Registration result = align_scans(site.scans, {});
+    EXPECT_TRUE(result.trustworthy()) << distrust(result);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const PoseError e = pose_error(result.poses.scans[i].T_world_scan, site.truth[i]);
+        std::printf("scan %zu: %.4f deg, %.2f mm\n", i, e.degrees, e.millimetres);
+        EXPECT_LE(e.millimetres, 5.0);
+    }
+}
+
+TEST(Registration, TakesAwayAGivenPoseInTheFreeSpaceOfOthersThatNothingConfirms) {
+    const Site site = two_chamber_site();
+    std::vector<Scan> scans{site.scans[0], site.scans[1], site.scans[4]};
+    scans[0].T_world_scan = site.truth[0];
+    scans[1].T_world_scan = site.truth[1];
+    scans[2].T_world_scan = site.truth[0];  // it stands in the other chamber
+    const Registration result = align_scans(scans, {});
+    EXPECT_EQ(unregistered(result), 1u);
+    EXPECT_EQ(result.poses.scans[2].status, PoseStatus::kUnregistered);
+    EXPECT_NE(distrust(result).find("1 of 3 scans could not be placed (scan5)"), std::string::npos)
+        << distrust(result);
+    // Asked to trust, it does.
+    EXPECT_TRUE(align_scans(scans, {.mode = PriorMode::kTrust}).trustworthy());
+}
+
+TEST(Registration, TriesKnownPairsOnly) {
+    Site site = two_chamber_site();
+    site.scans.resize(3);
+    const Registration result = align_scans(site.scans, {.pairs = {{0, 1}, {1, 2}}});
+    EXPECT_EQ(result.pairs_tried, 2u);
+    EXPECT_TRUE(result.trustworthy());
+    EXPECT_LE(worst_error(result, site.truth).millimetres, 5.0);
+    EXPECT_EQ(unregistered(align_scans(site.scans, {.pairs = {{0, 1}}})), 1u);
+}
+
 TEST(Registration, OfLevelledScannersTurnsAboutTheVerticalOnly) {
     const SimulatedCave cave = testing::two_chambers();
     Site site;
@@ -261,6 +338,10 @@ TEST(Registration, KeepsASingleScanAsItsOwnReference) {
     EXPECT_TRUE(result.trustworthy());
     EXPECT_EQ(result.poses.scans[0].status, PoseStatus::kReference);
     EXPECT_EQ(result.poses.origin, scan.offset);
+    EXPECT_EQ(distrust(result), "");
+    const std::string table = trust_table(result);
+    EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 2) << "no pairs, no table of them";
+    EXPECT_NE(table.find("-        -"), std::string::npos) << "nothing was measured:\n" << table;
     const Eigen::Vector3d first =
         result.poses.scans[0].T_world_scan * Eigen::Vector3d(2000, 3000, 0);
     EXPECT_LE(first.norm(), 1e-9);
