@@ -37,6 +37,16 @@ char delimiter_named(const std::string& word) {
     return word[0];
 }
 
+void say_delight(const DelightReport& delight) {
+    if (!delight.reason.empty()) spdlog::warn("--delight: {}", delight.reason);
+    if (!delight.applied) return;
+    spdlog::info(
+        "--delight: colours fell with the distance to the power {:.2f} and with the cosine to the "
+        "power {:.2f}; stations differ by {:.0f} % where they overlap, {:.0f} % before",
+        delight.distance_exponent, delight.incidence_exponent, 100.0 * delight.rms_after,
+        100.0 * delight.rms_before);
+}
+
 }  // namespace
 
 CLI::Validator finite(double low, double high) {
@@ -141,6 +151,13 @@ void add_surface_flags(CLI::App& command, SurfaceSettings& settings) {
         .add_option("--default-albedo", settings.default_albedo,
                     "linear albedo of points without colour or intensity")
         ->check(finite(0.0, 1.0));
+    command.add_flag("--delight", settings.delight,
+                     "take the falloff of the scanner's own light out of the colours; fitted "
+                     "where stations overlap");
+    command.add_option_function<std::string>(
+        "--trajectory",
+        [&settings](const std::string& file) { settings.trajectory = read_trajectory(file); },
+        "where a moving scanner was, lines of \"time x y z\" or \"x y z\": normals face it");
 }
 
 void bake_links(Octree& octree, std::uint32_t links, const Progress& progress) {
@@ -161,20 +178,31 @@ nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings) {
 }
 
 nlohmann::ordered_json surface_json(const SurfaceReport& report) {
-    return {{"points", report.points},
-            {"surfels", report.surfels},
-            {"not_finite", report.not_finite},
-            {"duplicates", report.duplicates},
-            {"isolated", report.isolated},
-            {"weak", report.weak},
-            {"unsure_side", report.unsure_side},
-            {"facing_inside", report.facing_inside},
-            {"facing_outside", report.facing_outside},
-            {"orientation", describe(report.orientation)},
-            {"albedo", describe(report.albedo)},
-            {"range_noise", report.range_noise},
-            {"median_spacing", report.median_spacing},
-            {"mean_ndf_length", report.mean_ndf_length}};
+    nlohmann::ordered_json json = {{"points", report.points},
+                                   {"surfels", report.surfels},
+                                   {"not_finite", report.not_finite},
+                                   {"duplicates", report.duplicates},
+                                   {"isolated", report.isolated},
+                                   {"weak", report.weak},
+                                   {"unsure_side", report.unsure_side},
+                                   {"facing_inside", report.facing_inside},
+                                   {"facing_outside", report.facing_outside},
+                                   {"seen_from_trajectory", report.seen_from_trajectory},
+                                   {"orientation", describe(report.orientation)},
+                                   {"albedo", describe(report.albedo)},
+                                   {"range_noise", report.range_noise},
+                                   {"median_spacing", report.median_spacing},
+                                   {"mean_ndf_length", report.mean_ndf_length}};
+    if (report.delight.pairs > 0 || !report.delight.reason.empty()) {
+        const DelightReport& delight = report.delight;
+        json["delight"] = {{"applied", delight.applied},
+                           {"distance_exponent", delight.distance_exponent},
+                           {"incidence_exponent", delight.incidence_exponent},
+                           {"pairs", delight.pairs},
+                           {"rms_before", delight.rms_before},
+                           {"rms_after", delight.rms_after}};
+    }
+    return json;
 }
 
 void say_warnings(const std::vector<Warning>& warnings) {
@@ -201,6 +229,7 @@ void say_surface(const SurfaceReport& report) {
     spdlog::info("albedo from {}; range noise {:.1f} mm; spacing {:.1f} mm; mean NDF length {:.3f}",
                  describe(report.albedo), report.range_noise * 1e3, report.median_spacing * 1e3,
                  report.mean_ndf_length);
+    say_delight(report.delight);
 }
 
 void say_octree(const OctreeView& octree) {

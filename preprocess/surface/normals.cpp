@@ -82,23 +82,41 @@ class LeafFit {
         }
     }
 
-    /// Doubles the neighbourhoods whose normal the noise turns, as long as they are as thin as
-    /// noise alone makes them. The area stays that of the nearest: the last of a neighbourhood
-    /// that was chosen for being wide lies farther than chance has it.
+    /// Widens the neighbourhoods whose normal the noise turns, as long as they are as thin as noise
+    /// alone makes them. Extent and number grow together, so the error falls as one over the
+    /// number: those that need the most get it at once, and half of it where that is bent. The area
+    /// stays that of the nearest: the last of a neighbourhood that was chosen for being wide lies
+    /// farther than chance has it.
     void grow_noisy() {
-        for (int size = 2 * settings_.k; !noisy_.empty() && size <= settings_.max_k; size *= 2) {
-            search_.gather(noisy_, size - 1, settings_.radius);
-            std::size_t still_noisy = 0;
-            for (const std::uint32_t i : noisy_) {
-                search_.measure(i);
-                LocalPlane plane = to_local_plane(fit_side(i, search_.nearest(size - 1)));
-                if (!(plane.area > 0.0f)) continue;
-                if (plane.thickness > kNoiseAlone * settings_.range_noise) continue;
+        for (int size = 2 * settings_.k; size <= settings_.max_k; size *= 2) {
+            const bool is_last = 2 * size > settings_.max_k;
+            wanting_.clear();
+            std::erase_if(noisy_, [&](std::uint32_t i) {
+                const float error = planes_[i].error_per_noise * settings_.range_noise;
+                const float needed =
+                    error / settings_.slope_error * static_cast<float>(planes_[i].points);
+                if (!is_last && needed > static_cast<float>(size)) return false;
+                wanting_.push_back(i);
+                return true;
+            });
+            if (wanting_.empty()) continue;
+            search_.gather(wanting_, size - 1, settings_.radius);
+            for (const std::uint32_t i : wanting_)
+                grow(i, size);
+        }
+    }
+
+    void grow(std::uint32_t i, int size) {
+        search_.measure(i);
+        auto found = search_.nearest(size - 1);
+        for (; size > settings_.k; size /= 2) {
+            LocalPlane plane = to_local_plane(fit_side(i, found));
+            if (plane.area > 0.0f && plane.thickness <= kNoiseAlone * settings_.range_noise) {
                 plane.area = planes_[i].area;
                 planes_[i] = plane;
-                if (is_noisy(plane)) noisy_[still_noisy++] = i;
+                return;
             }
-            noisy_.resize(still_noisy);
+            found = search_.nearest_of_those(size / 2 - 1);
         }
     }
 
@@ -129,7 +147,7 @@ class LeafFit {
     /// relative to the point.
     PlaneFit fit_side(std::size_t i, std::span<const std::uint32_t> neighbours) {
         const Vec3f origin = points_.tree.position(i);
-        const std::uint32_t station = points_.station(i);
+        const std::uint32_t station = points_.view(i);
         Moments all;
         all.add({});
         offsets_.clear();
@@ -138,7 +156,7 @@ class LeafFit {
             all.add(offsets_.back());
         }
         const auto others = static_cast<std::size_t>(std::ranges::count_if(
-            neighbours, [&](std::uint32_t j) { return points_.station(j) != station; }));
+            neighbours, [&](std::uint32_t j) { return points_.view(j) != station; }));
         if (others == 0 || !points_.is_viewed(i)) return fit_plane(all);
 
         // What the own station saw is on one side; the others' points join if seen from there too.
@@ -148,12 +166,12 @@ class LeafFit {
             Moments own;
             own.add({});
             for (std::size_t m = 0; m < neighbours.size(); ++m) {
-                if (points_.station(neighbours[m]) == station) own.add(offsets_[m]);
+                if (points_.view(neighbours[m]) == station) own.add(offsets_[m]);
             }
             const PlaneFit alone = fit_plane(own);
             if (alone.is_planar()) side = alone;
         }
-        const Vec3d view = vec3_cast<double>(points_.toward_station(i));
+        const Vec3d view = vec3_cast<double>(points_.toward_viewpoint(i));
         const Vec3d normal = dot(side.normal, view) < 0.0 ? -side.normal : side.normal;
         Moments front;
         front.add({});
@@ -164,8 +182,8 @@ class LeafFit {
     }
 
     bool is_in_front(std::size_t i, std::size_t j, const Vec3d& normal) const {
-        if (points_.station(j) == points_.station(i) || !points_.is_viewed(j)) return true;
-        const Vec3d view = vec3_cast<double>(points_.toward_station(j));
+        if (points_.view(j) == points_.view(i) || !points_.is_viewed(j)) return true;
+        const Vec3d view = vec3_cast<double>(points_.toward_viewpoint(j));
         return dot(normal, view) > kGrazing * length(view);
     }
 
@@ -174,7 +192,7 @@ class LeafFit {
     NeighbourTable& table_;
     std::vector<LocalPlane>& planes_;
     NearestSearch search_;
-    std::vector<std::uint32_t> queries_, noisy_, odd_;
+    std::vector<std::uint32_t> queries_, noisy_, wanting_, odd_;
     std::vector<Vec3d> offsets_;
 };
 

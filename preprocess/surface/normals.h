@@ -27,17 +27,21 @@ struct LocalPlane {
 /// Everything about the points that the fits look at, in tree order.
 struct SurfacePoints {
     PointTree tree;
-    std::vector<std::uint32_t> stations;  ///< [n] index into `viewpoints`; empty: all of station 0
-    std::vector<Vec3f> viewpoints;        ///< m, relative to the cloud's origin
-    std::vector<bool> has_viewpoint;      ///< as long as `viewpoints`
+    std::vector<std::uint32_t> stations;   ///< [n] index of a station; empty: all of station 0
+    std::vector<std::uint32_t> seen_from;  ///< [n] index into `viewpoints`; empty: as `stations`
+    std::vector<Vec3f> viewpoints;         ///< m, relative to the cloud's origin; stations first
+    std::vector<bool> has_viewpoint;       ///< as long as `viewpoints`
 
     std::size_t size() const { return tree.size(); }
     std::uint32_t station(std::size_t i) const { return stations.empty() ? 0 : stations[i]; }
-    bool is_viewed(std::size_t i) const {
-        return station(i) < viewpoints.size() && has_viewpoint[station(i)];
+    std::uint32_t view(std::size_t i) const {
+        return seen_from.empty() ? station(i) : seen_from[i];
     }
-    /// From point i toward its station, m; only where is_viewed(i).
-    Vec3f toward_station(std::size_t i) const { return viewpoints[station(i)] - tree.position(i); }
+    bool is_viewed(std::size_t i) const {
+        return view(i) < viewpoints.size() && has_viewpoint[view(i)];
+    }
+    /// From point i toward where it was seen from, m; only where is_viewed(i).
+    Vec3f toward_viewpoint(std::size_t i) const { return viewpoints[view(i)] - tree.position(i); }
 };
 
 struct NormalSettings {

@@ -32,10 +32,10 @@ void turn(LocalPlane& plane) {
     plane.height = -plane.height;
 }
 
-/// Cosine between the normal of point i and the direction to its station; 0 without either.
+/// Cosine between the normal of point i and the direction to its viewpoint; 0 without either.
 float view_cosine(const SurfacePoints& points, const LocalPlane& plane, std::size_t i) {
     if (!has_normal(plane) || !points.is_viewed(i)) return 0.0f;
-    const Vec3f view = points.toward_station(i);
+    const Vec3f view = points.toward_viewpoint(i);
     const float distance = length(view);
     return distance > 0.0f ? dot(plane.normal, view) / distance : 0.0f;
 }

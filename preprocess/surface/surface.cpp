@@ -14,6 +14,7 @@
 #include "preprocess/surface/orientation.h"
 #include "preprocess/surface/point_tree.h"
 #include "preprocess/surface/range_noise.h"
+#include "preprocess/surface/viewpoints.h"
 
 namespace glowworm {
 namespace {
@@ -64,6 +65,35 @@ float median_spacing(const std::vector<LocalPlane>& planes) {
                     "search radius.");
 }
 
+/// Finds for points whose station is unknown where they were seen from. Returns what all points
+/// were turned by that were turned by one thing alone.
+Orientation find_viewpoints(const PointCloud& cloud, const Trajectory& trajectory,
+                            const std::vector<LocalPlane>& planes, SurfacePoints& points,
+                            SurfaceReport& report) {
+    if (!trajectory.empty()) {
+        report.seen_from_trajectory += view_by_sight(trajectory, cloud.origin, planes, points);
+        return Orientation::kTrajectory;
+    }
+    const bool any_known =
+        std::ranges::find(points.has_viewpoint, true) != points.has_viewpoint.end();
+    const Vec3f frame_origin = vec3_cast<float>(-cloud.origin);
+    if (!any_known && is_seen_by_all(points, planes, frame_origin)) {
+        view_by_sight({{Vec3d{}}, {}}, cloud.origin, planes, points);
+        return Orientation::kOrigin;
+    }
+    return Orientation::kStations;
+}
+
+Orientation orientation_of(const OrientationReport& sides, Orientation by, std::size_t stations) {
+    if (sides.toward_stations == 0) return Orientation::kPropagation;
+    // One frame has one origin: what hides behind a fold follows its neighbours.
+    if (by == Orientation::kOrigin) return by;
+    if (sides.propagated > 0 || (by != Orientation::kStations && stations > 0)) {
+        return Orientation::kMixed;
+    }
+    return by;
+}
+
 /// Surfels in the order of the cloud's points, those without a plane left out.
 void write_surfels(const PointCloud& cloud, const SurfacePoints& points,
                    const std::vector<LocalPlane>& planes, const std::vector<float>& ndf_lengths,
@@ -95,10 +125,14 @@ std::string describe(Orientation orientation) {
     switch (orientation) {
         case Orientation::kStations:
             return "stations";
+        case Orientation::kTrajectory:
+            return "the trajectory";
+        case Orientation::kOrigin:
+            return "the frame's origin, which most points see";
         case Orientation::kPropagation:
             return "propagation";
         case Orientation::kMixed:
-            return "stations, propagation where there is none";
+            return "what is known of where points were seen from, propagation for the others";
     }
     return {};
 }
@@ -120,10 +154,18 @@ SurfelCloud make_surfels(const PointCloud& cloud, const SurfaceSettings& setting
     SurfaceReport report;
     report.points = cloud.points.size();
 
-    const SurfacePoints points = arrange(cloud);
+    SurfacePoints points = arrange(cloud);
     report.not_finite = points.tree.not_finite;
     report.duplicates = points.tree.duplicates;
     if (points.size() < 4) throw_degenerate(report.points);
+
+    std::size_t at_stations = 0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        at_stations += points.is_viewed(i);
+    if (!settings.trajectory.times.empty() && !cloud.points.times.empty()) {
+        report.seen_from_trajectory =
+            view_by_time(settings.trajectory, cloud.origin, cloud.points.times, points);
+    }
 
     const CloudScale scale = measure_scale(points.tree, settings.k);
     NormalSettings fit;
@@ -145,13 +187,12 @@ SurfelCloud make_surfels(const PointCloud& cloud, const SurfaceSettings& setting
     if (settings.sharp_edges) report.edges = sharpen_edges(points, fit, table, planes);
 
     const float spacing = median_spacing(planes);
+    const Orientation by = find_viewpoints(cloud, settings.trajectory, planes, points, report);
     const OrientationReport sides = orient_normals(points, table, fit.range_noise, planes);
     report.unsure_side = sides.unsure;
     report.facing_inside = sides.of(FreeSideRule::kClosedSide);
     report.facing_outside = sides.of(FreeSideRule::kOpenSide);
-    report.orientation = sides.propagated == 0        ? Orientation::kStations
-                         : sides.toward_stations == 0 ? Orientation::kPropagation
-                                                      : Orientation::kMixed;
+    report.orientation = orientation_of(sides, by, at_stations);
 
     const std::vector<float> ndf_lengths =
         estimate_ndf_lengths(points, table, planes, fit.range_noise);
@@ -161,6 +202,8 @@ SurfelCloud make_surfels(const PointCloud& cloud, const SurfaceSettings& setting
     const std::vector<Rgb8> albedo =
         albedo_bytes(cloud.points, settings.default_albedo, report.albedo);
     write_surfels(cloud, points, planes, ndf_lengths, albedo, surfels.surfels);
+
+    if (settings.delight) report.delight = delight(surfels);
 
     report.surfels = surfels.surfels.size();
     report.range_noise = fit.range_noise;

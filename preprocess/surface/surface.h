@@ -7,6 +7,8 @@
 #include "octree/progress.h"
 #include "octree/surfel.h"
 #include "preprocess/points.h"
+#include "preprocess/surface/delight.h"
+#include "preprocess/surface/trajectory.h"
 
 namespace glowworm {
 
@@ -33,10 +35,16 @@ struct SurfaceSettings {
     /// Albedo of points without colour and intensity, linear, 0..1. Scaled intensities have it as
     /// their median. Stored as sRGB bytes like every albedo, so .5 becomes .5029.
     float default_albedo = 0.5f;
+
+    /// Take the falloff of the scanner's own light out of the albedo (delight.h).
+    bool delight = false;
+
+    /// Where a moving scanner was, for points whose station is unknown; empty: nothing is known.
+    Trajectory trajectory;
 };
 
 /// How the normals were turned to the passage.
-enum class Orientation { kStations, kPropagation, kMixed };
+enum class Orientation { kStations, kTrajectory, kOrigin, kPropagation, kMixed };
 
 /// Where the albedo came from.
 enum class AlbedoSource { kColours, kIntensities, kDefault };
@@ -57,15 +65,20 @@ struct SurfaceReport {
     /// inside), and those that face the other one, the closed side being too narrow for a scanner.
     std::size_t facing_inside = 0, facing_outside = 0;
 
+    /// Points without a station that a pose of the trajectory saw.
+    std::size_t seen_from_trajectory = 0;
+
     Orientation orientation = Orientation::kStations;
     AlbedoSource albedo = AlbedoSource::kDefault;
+    DelightReport delight;        ///< where it was asked for
     double range_noise = 0.0;     ///< m, one standard deviation
     double search_radius = 0.0;   ///< m, as used
     double median_spacing = 0.0;  ///< m: square root of the area that the median surfel stands for
     double mean_ndf_length = 0.0;
 };
 
-/// "stations", "propagation", "stations, propagation where there is none".
+/// "stations", "the trajectory", "the frame's origin, which most points see", "propagation",
+/// "what is known of where points were seen from, propagation for the others".
 std::string describe(Orientation orientation);
 /// "colours", "intensities as grey", "the default".
 std::string describe(AlbedoSource source);
