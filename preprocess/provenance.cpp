@@ -1,6 +1,7 @@
 #include "preprocess/provenance.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 #include <xxhash.h>
 
 #include <fstream>
@@ -29,18 +30,31 @@ InputFile describe_input(const std::filesystem::path& path) {
         XXH3_128bits_update(state.get(), block.data(), bytes);
         input.bytes += bytes;
     }
+    if (stream.bad()) {
+        throw Error(ExitCode::kUnreadable,
+                    fmt::format("reading '{}' failed; check the disk", path.string()));
+    }
     const XXH128_hash_t hash = XXH3_128bits_digest(state.get());
     input.hash = fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
     return input;
 }
 
-std::string provenance_json(const std::string& command, std::span<const InputFile> inputs) {
+std::vector<InputFile> describe_inputs(std::span<const std::filesystem::path> paths) {
+    std::vector<InputFile> inputs(paths.size());
+    tbb::parallel_for(std::size_t{0}, paths.size(),
+                      [&](std::size_t i) { inputs[i] = describe_input(paths[i]); });
+    return inputs;
+}
+
+std::string provenance_json(const std::string& command, std::span<const InputFile> inputs,
+                            const std::string& settings) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const InputFile& input : inputs) {
         list.push_back({{"file", input.file}, {"bytes", input.bytes}, {"hash", input.hash}});
     }
-    const nlohmann::ordered_json provenance = {
-        {"command", command}, {"version", GLOWWORM_VERSION}, {"inputs", list}};
+    nlohmann::ordered_json provenance = {{"command", command}, {"version", GLOWWORM_VERSION}};
+    if (!settings.empty()) provenance["settings"] = settings;
+    provenance["inputs"] = list;
     return provenance.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

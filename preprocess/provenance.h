@@ -18,8 +18,13 @@ struct InputFile {
 /// Reads the file once, in blocks. Throws Error (kUnreadable) where it cannot be read.
 InputFile describe_input(const std::filesystem::path& path);
 
+/// All of them, several at a time, in their order.
+std::vector<InputFile> describe_inputs(std::span<const std::filesystem::path> paths);
+
 /// The provenance object of interface.md as compact JSON. `command` holds only what decides the
-/// result, never thread counts or paths, so that equal work gives equal bytes.
-std::string provenance_json(const std::string& command, std::span<const InputFile> inputs);
+/// result, never thread counts or paths, so that equal work gives equal bytes. `settings`, where it
+/// is not empty, is the hash of all settings, the defaults too.
+std::string provenance_json(const std::string& command, std::span<const InputFile> inputs,
+                            const std::string& settings = {});
 
 }  // namespace glowworm

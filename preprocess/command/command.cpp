@@ -10,7 +10,7 @@
 namespace glowworm {
 
 CLI::App* Program::add(const std::string& name, const std::string& summary, bool needs_output,
-                       Work work, Work plan) {
+                       Work work, Work plan, bool resumable) {
     CLI::App* command = app.add_subcommand(name, summary);
     command->fallthrough();  // --config and --version are the program's
     if (needs_output) {
@@ -41,7 +41,8 @@ CLI::App* Program::add(const std::string& name, const std::string& summary, bool
                         fmt::format("'{}' predicts nothing; leave --dry-run out", name));
         };
     }
-    command->final_callback([this, work = std::move(work), plan = std::move(plan)] {
+    command->final_callback([this, resumable, work = std::move(work), plan = std::move(plan)] {
+        flags.resumable = resumable;
         selected = flags.dry_run && plan ? plan : work;
     });
     return command;

@@ -27,6 +27,7 @@ struct SharedFlags {
     std::filesystem::path temp_dir;  ///< for what is kept while it works; empty: beside the output
     bool dry_run = false;            ///< predict and warn, write nothing
     bool resume = false;             ///< go on from what an earlier run left, also where it is done
+    bool resumable = false;          ///< the command itself decides what an existing output means
 };
 
 /// What a subcommand's work is given: the shared flags and the console to talk through.
@@ -34,6 +35,7 @@ struct Run {
     const SharedFlags& flags;
     Console& console;
     std::vector<std::string> command_line;  ///< for the file's provenance
+    std::string last_word;                  ///< said at the end; empty: "wrote" and the output
 };
 
 /// Does a subcommand's work. Returns its result object, printed where --json was given.
@@ -42,18 +44,19 @@ using Work = std::function<nlohmann::ordered_json(Run&)>;
 /// Adds `name` with the shared flags to `app`; `selected` receives the work when the user asks for
 /// it, or `plan` where the user asks with --dry-run: it predicts and warns, and writes nothing. A
 /// command that writes no file needs no plan: its work is done. Where `needs_output` is set, -o is
-/// required.
+/// required; a `resumable` command is begun with --resume although its output is there.
 struct Program {
     CLI::App& app;
     SharedFlags& flags;
     Work& selected;
 
     CLI::App* add(const std::string& name, const std::string& summary, bool needs_output, Work work,
-                  Work plan = {});
+                  Work plan = {}, bool resumable = false);
 };
 
 /// One file per subcommand defines each of these.
 void add_convert_command(Program& program);
+void add_ingest_command(Program& program);
 void add_register_command(Program& program);
 void add_merge_command(Program& program);
 void add_surface_command(Program& program);

@@ -12,6 +12,7 @@
 #include "preprocess/command/config_file.h"
 #include "preprocess/command/log_file.h"
 #include "preprocess/command/memory_limit.h"
+#include "preprocess/pipeline/work_folder.h"
 
 namespace glowworm {
 namespace {
@@ -51,6 +52,7 @@ int run(int argc, char** argv) {
     Work selected;
     Program program{app, flags, selected};
     add_convert_command(program);
+    add_ingest_command(program);
     add_register_command(program);
     add_merge_command(program);
     add_surface_command(program);
@@ -70,7 +72,11 @@ int run(int argc, char** argv) {
                     fmt::format("{}; `glowworm --help` shows what there is", error.what()));
     }
 
-    if (!flags.output.empty()) require_writable_output(flags.output, flags.force);
+    if (!flags.output.empty()) {
+        const bool may_exist = flags.force || (flags.resume && flags.resumable);
+        require_writable_output(flags.output, may_exist);
+        if (!flags.dry_run) remove_abandoned(flags.output);
+    }
     require_folders(flags);
     set_up_log(flags, *app.get_subcommands().front());
     install_signal_handlers();
@@ -81,14 +87,18 @@ int run(int argc, char** argv) {
 
     Console console(
         progress_mode(flags.quiet && flags.progress == "auto" ? "none" : flags.progress));
-    Run context{flags, console, {argv, argv + argc}};
+    Run context{flags, console, {argv, argv + argc}, {}};
     const nlohmann::ordered_json result = selected(context);
     console.end_phase();
     if (flags.json) fmt::print("{}\n", result.dump(2));
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
         throw Error(ExitCode::kBudget, "cannot write the result to standard output");
     }
-    if (!flags.output.empty() && !flags.dry_run) spdlog::info("wrote {}", flags.output.string());
+    if (!context.last_word.empty()) {
+        spdlog::info("{}", context.last_word);
+    } else if (!flags.output.empty() && !flags.dry_run) {
+        spdlog::info("wrote {}", flags.output.string());
+    }
     return static_cast<int>(ExitCode::kDone);
 }
 

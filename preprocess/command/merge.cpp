@@ -3,6 +3,7 @@
 
 #include "octree/error.h"
 #include "preprocess/command/command.h"
+#include "preprocess/command/plan.h"
 #include "preprocess/command/stage_flags.h"
 #include "preprocess/pipeline.h"
 #include "preprocess/write/cloud_writer.h"
@@ -23,6 +24,9 @@ nlohmann::ordered_json run_merge(Run& run, const MergeFlags& flags) {
     require_distinct(output, {flags.poses});
     check_cloud_extension(output);
     const Poses poses = read_poses(flags.poses);
+    require_budget(run.flags,
+                   predict(announced_work(files, flags.settings.read), thread_count(run.flags)),
+                   Reach::kMerge);
 
     const auto begin = [&](const std::string& phase, const std::string& unit) {
         return run.console.phase(phase, unit);
@@ -33,11 +37,12 @@ nlohmann::ordered_json run_merge(Run& run, const MergeFlags& flags) {
     const PointCloud cloud =
         merge_scans(scans, poses, flags.settings.merge, begin("merge", "points"), &done.merge);
     if (!done.merge.left_out.empty() && !flags.settings.allow_missing_scans) {
-        throw Error(ExitCode::kNotTrustworthy,
-                    fmt::format("'{}' has no pose for {} of {} scans ('{}' first); "
-                                "--allow-missing-scans goes on without them",
-                                flags.poses.string(), done.merge.left_out.size(), scans.size(),
-                                done.merge.left_out.front()));
+        throw Error(
+            ExitCode::kNotTrustworthy,
+            fmt::format("'{}' has no pose for {} of {} ('{}' first); "
+                        "--allow-missing-scans goes on without them",
+                        flags.poses.string(), done.merge.left_out.size(),
+                        format_number_of(scans.size(), "scan"), done.merge.left_out.front()));
     }
     run.console.phase("write", "points");
     write_cloud(cloud, output);
@@ -57,9 +62,13 @@ nlohmann::ordered_json run_merge(Run& run, const MergeFlags& flags) {
 
 void add_merge_command(Program& program) {
     auto flags = std::make_shared<MergeFlags>();
-    CLI::App* command =
-        program.add("merge", "scans and their poses to one cloud in the world frame", true,
-                    [flags](Run& run) { return run_merge(run, *flags); });
+    CLI::App* command = program.add(
+        "merge", "scans and their poses to one cloud in the world frame", true,
+        [flags](Run& run) { return run_merge(run, *flags); },
+        [flags](Run& run) {
+            return plan_work(run, find_scan_files(flags->inputs), flags->settings.read, {},
+                             Reach::kMerge);
+        });
     command->add_option("scans", flags->inputs, "scan files or folders of them")->required();
     command->add_option("--poses", flags->poses, "poses.json of the scans")->required();
     command

@@ -5,6 +5,7 @@
 
 #include "octree/error.h"
 #include "preprocess/command/command.h"
+#include "preprocess/command/plan.h"
 #include "preprocess/command/stage_flags.h"
 #include "preprocess/pipeline.h"
 #include "preprocess/register/plan_view.h"
@@ -52,6 +53,9 @@ nlohmann::ordered_json run_register(Run& run, RegisterFlags flags) {
         require_distinct(flags.plot, files);
     }
     flags.registration.apply(flags.settings.registration);
+    require_budget(run.flags,
+                   predict(announced_work(files, flags.settings.read), thread_count(run.flags)),
+                   Reach::kMerge);
 
     const auto begin = [&](const std::string& phase, const std::string& unit) {
         return run.console.phase(phase, unit);
@@ -81,9 +85,13 @@ nlohmann::ordered_json run_register(Run& run, RegisterFlags flags) {
 
 void add_register_command(Program& program) {
     auto flags = std::make_shared<RegisterFlags>();
-    CLI::App* command =
-        program.add("register", "raw scans to poses and a trust report per scan and per pair", true,
-                    [flags](Run& run) { return run_register(run, *flags); });
+    CLI::App* command = program.add(
+        "register", "raw scans to poses and a trust report per scan and per pair", true,
+        [flags](Run& run) { return run_register(run, *flags); },
+        [flags](Run& run) {
+            return plan_work(run, find_scan_files(flags->inputs), flags->settings.read, {},
+                             Reach::kMerge);
+        });
     command->add_option("scans", flags->inputs, "scan files or folders of them")->required();
     command->add_option("--plot", flags->plot, "draw the placed scans from above into this PNG");
     command->add_option("--pair", flags->pairs,

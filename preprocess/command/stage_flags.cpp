@@ -10,7 +10,6 @@
 #include "octree/links.h"
 #include "octree/scene.h"
 #include "preprocess/command/command.h"
-#include "preprocess/provenance.h"
 
 namespace glowworm {
 namespace {
@@ -114,10 +113,12 @@ std::vector<AreaLight> BuildFlags::area_lights() const {
 
 BuildSettings BuildFlags::settings(const std::string& command,
                                    const std::vector<std::filesystem::path>& inputs) const {
-    std::vector<InputFile> described;
-    for (const auto& input : inputs)
-        described.push_back(describe_input(input));
-    if (!lights.empty()) described.push_back(describe_input(lights));
+    return settings(command, describe_inputs(inputs), {});
+}
+
+BuildSettings BuildFlags::settings(const std::string& command, std::vector<InputFile> inputs,
+                                   const std::string& hash) const {
+    if (!lights.empty()) inputs.push_back(describe_input(lights));
 
     std::string words = "glowworm " + command;
     if (depth) words += fmt::format(" --depth {}", *depth);
@@ -125,7 +126,7 @@ BuildSettings BuildFlags::settings(const std::string& command,
     BuildSettings settings;
     settings.depth = depth;
     settings.voxel_size = voxel_size;
-    settings.provenance = provenance_json(words, described);
+    settings.provenance = provenance_json(words, inputs, hash);
     return settings;
 }
 

@@ -11,6 +11,7 @@
 #include "octree/octree_file.h"
 #include "octree/progress.h"
 #include "octree/surfel.h"
+#include "preprocess/provenance.h"
 #include "preprocess/read/preflight.h"
 #include "preprocess/read/read_scans.h"
 #include "preprocess/register/align.h"
@@ -42,6 +43,10 @@ struct BuildFlags {
     /// With the provenance of a file that `command` makes from `inputs`.
     BuildSettings settings(const std::string& command,
                            const std::vector<std::filesystem::path>& inputs) const;
+
+    /// The same for inputs that are described already; `settings` as for provenance_json.
+    BuildSettings settings(const std::string& command, std::vector<InputFile> inputs,
+                           const std::string& settings) const;
 };
 
 /// A number within the range; never NaN, which CLI::Range lets pass.

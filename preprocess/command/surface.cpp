@@ -1,6 +1,7 @@
 #include "preprocess/surface/surface.h"
 
 #include "preprocess/command/command.h"
+#include "preprocess/command/plan.h"
 #include "preprocess/command/stage_flags.h"
 #include "preprocess/read/read_scans.h"
 #include "preprocess/surface/plot.h"
@@ -26,6 +27,10 @@ nlohmann::ordered_json run_surface(Run& run, const SurfaceFlags& flags) {
         require_distinct(flags.plot, {flags.input});
     }
 
+    require_budget(
+        run.flags,
+        predict(announced_work(std::vector{flags.input}, flags.read), thread_count(run.flags)),
+        Reach::kSurface);
     run.console.phase("read", "points");
     const PointCloud cloud = read_cloud(flags.input, flags.read);
     SurfaceReport report;
@@ -46,9 +51,12 @@ nlohmann::ordered_json run_surface(Run& run, const SurfaceFlags& flags) {
 
 void add_surface_command(Program& program) {
     auto flags = std::make_shared<SurfaceFlags>();
-    CLI::App* command =
-        program.add("surface", "a merged cloud to surfels: normals, NDF vectors, radii", true,
-                    [flags](Run& run) { return run_surface(run, *flags); });
+    CLI::App* command = program.add(
+        "surface", "a merged cloud to surfels: normals, NDF vectors, radii", true,
+        [flags](Run& run) { return run_surface(run, *flags); },
+        [flags](Run& run) {
+            return plan_work(run, {flags->input}, flags->read, {}, Reach::kSurface);
+        });
     command->add_option("cloud", flags->input, "the cloud, as `glowworm merge` writes it")
         ->required();
     command->add_option("--plot", flags->plot,

@@ -1,0 +1,51 @@
+#include "preprocess/pipeline/ingest.h"
+
+#include <fmt/format.h>
+
+#include "preprocess/command/command.h"
+#include "preprocess/command/convert_flags.h"
+#include "preprocess/pipeline/work_folder.h"
+
+namespace glowworm {
+namespace {
+
+/// The first stage of `convert`, for some of its scans.
+nlohmann::ordered_json run_ingest(Run& run, ConvertFlags flags) {
+    const auto files = find_scan_files(flags.inputs);
+    require_distinct(run.flags.output, files);
+    const std::vector<ScanInput> inputs = describe_scans(files);
+    const WorkFolder work(run.flags.output, run.flags.temp_dir, WorkFolder::Hold::kShared);
+
+    std::vector<std::string> keys;
+    for (const ScanInput& input : inputs)
+        keys.push_back(ingest_key(input, flags.settings));
+    const std::vector<Ingested> all = ingest_all(files, {flags.settings.read, flags.settings.clean},
+                                                 run.console.phase("read", "files"), &work, keys);
+    run.console.end_phase();
+
+    nlohmann::ordered_json scans = nlohmann::ordered_json::array();
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+        scans.push_back({{"file", inputs[i].path.string()},
+                         {"bytes", inputs[i].content.bytes},
+                         {"hash", inputs[i].content.hash},
+                         {"scans", all[i].scans.size()},
+                         {"points", all[i].points},
+                         {"outliers", all[i].outliers}});
+    }
+    run.last_word = fmt::format("{} read, kept in '{}'", format_number_of(files.size(), "file"),
+                                work.path().string());
+    return {{"work", work.path().string()}, {"inputs", scans}};
+}
+
+}  // namespace
+
+void add_ingest_command(Program& program) {
+    auto flags = std::make_shared<ConvertFlags>();
+    CLI::App* command = program.add(
+        "ingest", "read and clean some of the scans of a later `convert` to the same output", true,
+        [flags](Run& run) { return run_ingest(run, *flags); }, {}, true);
+    command->add_option("scans", flags->inputs, "scan files or folders of them")->required();
+    add_read_flags(*command, flags->settings.read);
+}
+
+}  // namespace glowworm

@@ -1,0 +1,81 @@
+#include "preprocess/pipeline/archive.h"
+
+#include <algorithm>
+
+namespace glowworm {
+namespace {
+
+constexpr std::string_view kMagic = "glowworm checkpoint 1\n";
+constexpr std::size_t kHashDigits = 32;
+
+}  // namespace
+
+ArchiveWriter::ArchiveWriter(const std::filesystem::path& path, const std::string& key)
+    : file_(path) {
+    put(kMagic.data(), kMagic.size());
+    (*this)(key);
+}
+
+void ArchiveWriter::put(const void* data, std::size_t bytes) {
+    if (bytes == 0) return;
+    hash_.bytes(data, bytes);
+    file_.write(data, bytes);
+}
+
+void ArchiveWriter::operator()(const std::string& text) {
+    (*this)(static_cast<std::uint64_t>(text.size()));
+    put(text.data(), text.size());
+}
+
+void ArchiveWriter::operator()(const Eigen::Isometry3d& pose) {
+    put(pose.matrix().data(), 16 * sizeof(double));
+}
+
+void ArchiveWriter::commit() {
+    file_.write(hash_.hex());
+    file_.commit();
+}
+
+ArchiveReader::ArchiveReader(const std::filesystem::path& path, const std::string& key)
+    : stream_(path, std::ios::binary) {
+    std::error_code failed;
+    const std::uintmax_t size = std::filesystem::file_size(path, failed);
+    if (!stream_ || failed || size < kHashDigits) return;
+    left_ = size - kHashDigits;
+    good_ = true;
+    std::string magic(kMagic.size(), '\0'), found;
+    take(magic.data(), magic.size());
+    (*this)(found);
+    if (magic != kMagic || (!key.empty() && found != key)) good_ = false;
+}
+
+void ArchiveReader::take(void* data, std::size_t bytes) {
+    if (bytes > left_) good_ = false;
+    if (!good_ || bytes == 0) return;
+    stream_.read(static_cast<char*>(data), static_cast<std::streamsize>(bytes));
+    if (!stream_) good_ = false;
+    left_ -= bytes;
+    if (good_) hash_.bytes(data, bytes);
+}
+
+void ArchiveReader::operator()(std::string& text) {
+    std::uint64_t size = 0;
+    (*this)(size);
+    if (size > left_) good_ = false;
+    if (!good_) return;
+    text.resize(size);
+    take(text.data(), text.size());
+}
+
+void ArchiveReader::operator()(Eigen::Isometry3d& pose) {
+    take(pose.matrix().data(), 16 * sizeof(double));
+}
+
+bool ArchiveReader::good() {
+    if (!good_ || left_ != 0) return false;
+    std::string digits(kHashDigits, '\0');
+    stream_.read(digits.data(), kHashDigits);
+    return good_ = stream_ && digits == hash_.hex();
+}
+
+}  // namespace glowworm

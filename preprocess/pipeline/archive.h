@@ -1,0 +1,104 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "octree/atomic_file.h"
+#include "preprocess/pipeline/hash.h"
+
+namespace glowworm {
+
+/// Writes the values it is called with one after the other and their hash after them, as this
+/// machine has them in memory. Throws as AtomicFile does.
+class ArchiveWriter {
+  public:
+    ArchiveWriter(const std::filesystem::path& path, const std::string& key);
+
+    template <typename T>
+    void operator()(const T& value) {
+        put(&value, sizeof(T));
+        static_assert(std::is_trivially_copyable_v<T>);
+    }
+    void operator()(const std::string& text);
+    void operator()(const Eigen::Isometry3d& pose);
+    template <typename T>
+    void operator()(const std::optional<T>& value) {
+        (*this)(value.has_value());
+        if (value) (*this)(*value);
+    }
+    template <typename T>
+    void operator()(const std::vector<T>& values) {
+        (*this)(static_cast<std::uint64_t>(values.size()));
+        if constexpr (std::is_trivially_copyable_v<T>) {
+            put(values.data(), values.size() * sizeof(T));
+        } else {
+            for (const T& value : values)
+                archive(*this, value);
+        }
+    }
+
+    /// The file is there, whole, only after this.
+    void commit();
+
+  private:
+    void put(const void* data, std::size_t bytes);
+
+    AtomicFile file_;
+    Hash hash_;
+};
+
+/// Reads what ArchiveWriter wrote; an empty key is every key. A file that is damaged, or was
+/// written for another key, is as good as none: nothing throws, `good` is false, and values are
+/// then without meaning.
+class ArchiveReader {
+  public:
+    ArchiveReader(const std::filesystem::path& path, const std::string& key);
+
+    template <typename T>
+    void operator()(T& value) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        take(&value, sizeof(T));
+    }
+    void operator()(std::string& text);
+    void operator()(Eigen::Isometry3d& pose);
+    template <typename T>
+    void operator()(std::optional<T>& value) {
+        bool there = false;
+        (*this)(there);
+        if (there) (*this)(value.emplace());
+    }
+    template <typename T>
+    void operator()(std::vector<T>& values) {
+        std::uint64_t size = 0;
+        (*this)(size);
+        constexpr std::size_t least = std::is_trivially_copyable_v<T> ? sizeof(T) : 1;
+        if (size > left_ / least) good_ = false;
+        if (!good_) return;
+        values.resize(size);
+        if constexpr (std::is_trivially_copyable_v<T>) {
+            take(values.data(), values.size() * sizeof(T));
+        } else {
+            for (T& value : values)
+                archive(*this, value);
+        }
+    }
+
+    /// Whether all was read and is what was written. To be asked last.
+    bool good();
+
+  private:
+    void take(void* data, std::size_t bytes);
+
+    std::ifstream stream_;
+    Hash hash_;
+    std::uint64_t left_ = 0;  // bytes before the hash
+    bool good_ = false;
+};
+
+}  // namespace glowworm

@@ -1,0 +1,63 @@
+#include "preprocess/pipeline/ingest.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+
+#include "preprocess/pipeline/checkpoint.h"
+#include "preprocess/station.h"
+
+namespace glowworm {
+
+Ingested ingest(const std::filesystem::path& file, const IngestSettings& settings) {
+    Ingested done;
+    ReadReport report;
+    done.scans = read_scans(file, settings.read, &report);
+    for (Scan& scan : done.scans) {
+        ScanCounts counts{.name = scan.name, .kept = scan.points.size()};
+        const auto found = std::ranges::find(report.scans, scan.name, &ScanCounts::name);
+        if (found != report.scans.end()) counts = *found;
+        done.facts.push_back(facts_of(scan, counts));
+
+        CleanReport cleaned;
+        scan.has_viewpoint = scan.has_viewpoint || origin_is_viewpoint(scan.points);
+        scan.points = clean(scan.points, scan.has_viewpoint, settings.clean, &cleaned);
+        done.points += cleaned.points_in;
+        done.outliers += cleaned.outliers;
+    }
+    return done;
+}
+
+std::vector<Ingested> ingest_all(std::span<const std::filesystem::path> files,
+                                 const IngestSettings& settings, const Progress& progress,
+                                 const WorkFolder* work, std::span<const std::string> keys) {
+    std::vector<Ingested> all(files.size());
+    std::vector<std::exception_ptr> failures(files.size());
+    std::atomic<bool> failed = false;
+    std::mutex mutex;
+    std::uint64_t done = 0;
+    tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t i) {
+        if (failed) return;
+        try {
+            if (work == nullptr || !load_ingested(*work, keys[i], files[i], all[i])) {
+                all[i] = ingest(files[i], settings);
+                if (work != nullptr) save_ingested(*work, keys[i], all[i]);
+            }
+            const std::lock_guard lock(mutex);
+            ++done;
+            if (progress) progress(done, files.size());
+        } catch (...) {
+            failures[i] = std::current_exception();
+            failed = true;
+        }
+    });
+    for (const std::exception_ptr& failure : failures) {
+        if (failure) std::rethrow_exception(failure);
+    }
+    return all;
+}
+
+}  // namespace glowworm
