@@ -226,7 +226,7 @@ def main():
     parser.add_argument("program")
     parser.add_argument("--small", action="store_true")
     parser.add_argument("cases", nargs="*")
-    arguments = parser.parse_args()
+    arguments = parser.parse_intermixed_args()
     bench = Bench(arguments.program, arguments.small)
     traced = {"kill": bench.kill, "full": bench.full, "unreadable": bench.unreadable, "cancel": bench.cancel}
     others = {"tiny-disk": bench.tiny_disk, "memory": bench.memory, "race": bench.race, "finished": bench.finished}

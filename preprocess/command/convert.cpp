@@ -138,7 +138,7 @@ Json work_on(Run& run, const ConvertFlags& flags, std::span<const ScanInput> inp
     };
     const auto registered = [&](const Registration& registration) {
         const bool last = flags.last_stage() == Stage::kRegister;
-        if (registration.unregistered > 0 || last) {
+        if (!registration.trustworthy() || last) {
             write_poses(registration.poses, poses);
             spdlog::info("the poses and how far to trust them are in {}", poses.string());
         }

@@ -6,7 +6,8 @@
 
 namespace glowworm {
 
-// One function a struct names its fields, for writing (const) and for reading.
+// One function a struct names its fields, for writing (const) and for reading. The bindings hold
+// the functions to the structs: with a field more they do not compile.
 template <typename T, typename Struct>
 concept Is = std::same_as<std::remove_const_t<T>, Struct>;
 
@@ -16,140 +17,187 @@ void archive(A& file, T& text) {
 }
 
 template <typename A, Is<Points> T>
-void archive(A& file, T& points) {
-    file(points.positions);
-    file(points.normals);
-    file(points.colours);
-    file(points.intensities);
-    file(points.ndf_lengths);
-    file(points.radii);
-    file(points.stations);
-    file(points.emissions);
-    file(points.times);
+void archive(A& file, T& all) {
+    auto& [positions, normals, colours, intensities, ndf_lengths, radii, stations, emissions, times,
+           grid] = all;
+    file(positions);
+    file(normals);
+    file(colours);
+    file(intensities);
+    file(ndf_lengths);
+    file(radii);
+    file(stations);
+    file(emissions);
+    file(times);
+    file(grid);
 }
 
 template <typename A, Is<Scan> T>
-void archive(A& file, T& scan) {
-    file(scan.name);
-    file(scan.offset);
-    archive(file, scan.points);
-    file(scan.T_world_scan);
-    file(scan.has_viewpoint);
+void archive(A& file, T& all) {
+    auto& [name, path, offset, points, pose, crs, has_viewpoint] = all;
+    file(name);
+    static_cast<void>(path);  // whoever loads a scan knows it
+    file(offset);
+    archive(file, points);
+    file(pose);
+    file(crs);
+    file(has_viewpoint);
+}
+
+template <typename A, Is<ScanCounts> T>
+void archive(A& file, T& all) {
+    auto& [name, declared, kept, not_finite, too_far, no_return, invalid, no_colour, no_intensity] =
+        all;
+    file(name);
+    file(declared);
+    file(kept);
+    file(not_finite);
+    file(too_far);
+    file(no_return);
+    file(invalid);
+    file(no_colour);
+    file(no_intensity);
 }
 
 template <typename A, Is<ScanFacts> T>
-void archive(A& file, T& facts) {
-    file(facts.counts.name);
-    file(facts.counts.declared);
-    file(facts.counts.kept);
-    file(facts.counts.not_finite);
-    file(facts.counts.no_return);
-    file(facts.counts.invalid);
-    file(facts.low);
-    file(facts.high);
-    file(facts.has_colours);
-    file(facts.darkest);
-    file(facts.brightest);
-    file(facts.duplicate_share);
-    file(facts.on_float_grid);
-    file(facts.spacing);
-    file(facts.has_pose);
-    file(facts.crs);
+void archive(A& file, T& all) {
+    auto& [counts, low, high, has_colours, darkest, brightest, duplicate_share, grid_rows,
+           grid_columns, on_float_grid, spacing, has_pose, crs] = all;
+    archive(file, counts);
+    file(low);
+    file(high);
+    file(has_colours);
+    file(darkest);
+    file(brightest);
+    file(duplicate_share);
+    file(grid_rows);
+    file(grid_columns);
+    file(on_float_grid);
+    file(spacing);
+    file(has_pose);
+    file(crs);
 }
 
 template <typename A, Is<Ingested> T>
-void archive(A& file, T& ingested) {
-    file(ingested.scans);
-    file(ingested.facts);
-    file(ingested.points);
-    file(ingested.outliers);
+void archive(A& file, T& all) {
+    auto& [scans, facts, points, outliers] = all;
+    file(scans);
+    file(facts);
+    file(points);
+    file(outliers);
 }
 
 template <typename A, Is<ScanPose> T>
-void archive(A& file, T& pose) {
-    file(pose.file);
-    file(pose.T_world_scan);
-    file(pose.status);
-    file(pose.rmse);
-    file(pose.overlap);
-    file(pose.loop_misclosure);
-    file(pose.loop_misclosure_deg);
-    file(pose.weak_axes);
+void archive(A& file, T& all) {
+    auto& [name, T_world_scan, status, rmse, overlap, loop_misclosure, loop_misclosure_deg,
+           weak_axes] = all;
+    file(name);
+    file(T_world_scan);
+    file(status);
+    file(rmse);
+    file(overlap);
+    file(loop_misclosure);
+    file(loop_misclosure_deg);
+    file(weak_axes);
 }
 
 template <typename A, Is<PairPose> T>
-void archive(A& file, T& pair) {
-    file(pair.source);
-    file(pair.target);
-    file(pair.T_target_source);
-    file(pair.overlap);
-    file(pair.contradicted);
-    file(pair.rmse);
-    file(pair.p95);
-    file(pair.inliers);
-    file(pair.accepted);
-    file(pair.weak_axes);
+void archive(A& file, T& all) {
+    auto& [source, target, T_target_source, overlap, contradicted, rmse, p95, inliers, accepted,
+           weak_axes] = all;
+    file(source);
+    file(target);
+    file(T_target_source);
+    file(overlap);
+    file(contradicted);
+    file(rmse);
+    file(p95);
+    file(inliers);
+    file(accepted);
+    file(weak_axes);
+}
+
+template <typename A, Is<Poses> T>
+void archive(A& file, T& all) {
+    auto& [origin, scans, pairs] = all;
+    file(origin);
+    file(scans);
+    file(pairs);
 }
 
 template <typename A, Is<Warning> T>
-void archive(A& file, T& warning) {
-    file(warning.id);
-    file(warning.file);
-    file(warning.sentence);
+void archive(A& file, T& all) {
+    auto& [id, name, sentence] = all;
+    file(id);
+    file(name);
+    file(sentence);
+}
+
+template <typename A, Is<Registration> T>
+void archive(A& file, T& all) {
+    auto& [poses, voxel_size, pairs_tried, unregistered, loose] = all;
+    archive(file, poses);
+    file(voxel_size);
+    file(pairs_tried);
+    file(unregistered);
+    file(loose);
+}
+
+template <typename A, Is<MergeReport> T>
+void archive(A& file, T& all) {
+    auto& [points_in, moving, thinned, left_out, spacing] = all;
+    file(points_in);
+    file(moving);
+    file(thinned);
+    file(left_out);
+    file(spacing);
 }
 
 template <typename A, Is<Conversion> T>
-void archive(A& file, T& done) {
-    file(done.warnings);
-    file(done.scans);
-    file(done.points);
-    file(done.outliers);
-    file(done.registration.poses.origin);
-    file(done.registration.poses.scans);
-    file(done.registration.poses.pairs);
-    file(done.registration.voxel_size);
-    file(done.registration.pairs_tried);
-    file(done.registration.unregistered);
-    file(done.registration.weak);
-    file(done.merge.points_in);
-    file(done.merge.moving);
-    file(done.merge.thinned);
-    file(done.merge.left_out);
-    file(done.merge.spacing);
-    file(done.surface);
-}
-
-template <typename A, Is<Station> T>
-void archive(A& file, T& station) {
-    file(station.position);
-    for (auto& part : station.rotation)
-        file(part);
-    file(station.has_viewpoint);
-    file(station.name);
+void archive(A& file, T& all) {
+    auto& [warnings, scans, points, outliers, registration, merge, surface] = all;
+    file(warnings);
+    file(scans);
+    file(points);
+    file(outliers);
+    archive(file, registration);
+    archive(file, merge);
+    file(surface);
 }
 
 template <typename A, Is<AreaLight> T>
-void archive(A& file, T& light) {
-    file(light.name);
-    for (auto& corner : light.corners)
-        file(corner);
-    file(light.radiance);
+void archive(A& file, T& all) {
+    auto& [name, corners, radiance] = all;
+    file(name);
+    file(corners);
+    file(radiance);
+}
+
+template <typename A, Is<Station> T>
+void archive(A& file, T& all) {
+    auto& [position, rotation, has_viewpoint, name] = all;
+    file(position);
+    file(rotation);
+    file(has_viewpoint);
+    file(name);
 }
 
 template <typename A, Is<PointCloud> T>
-void archive(A& file, T& cloud) {
-    file(cloud.origin);
-    archive(file, cloud.points);
-    file(cloud.stations);
-    file(cloud.area_lights);
+void archive(A& file, T& all) {
+    auto& [origin, points, stations, area_lights] = all;
+    file(origin);
+    archive(file, points);
+    file(stations);
+    file(area_lights);
 }
 
 template <typename A, Is<SurfelCloud> T>
-void archive(A& file, T& cloud) {
-    file(cloud.origin);
-    file(cloud.surfels);
-    file(cloud.stations);
-    file(cloud.area_lights);
+void archive(A& file, T& all) {
+    auto& [origin, surfels, stations, area_lights] = all;
+    file(origin);
+    file(surfels);
+    file(stations);
+    file(area_lights);
 }
 
 namespace {

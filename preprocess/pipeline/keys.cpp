@@ -5,39 +5,46 @@
 namespace glowworm {
 namespace {
 
-// Every field that decides the result is named here once; one that is added to a settings struct
-// belongs here as well.
+// Every field that decides the result. The bindings hold the functions to the structs: with a field
+// more they do not compile.
 
-void add(Hash& hash, const ReadSettings& s) {
-    hash.add(s.check_crc).add(s.columns).add(s.delimiter);
+void add(Hash& hash, const ReadSettings& settings) {
+    const auto& [check_crc, columns, delimiter] = settings;
+    hash.add(check_crc).add(columns).add(delimiter);
 }
 
-void add(Hash& hash, const CleanSettings& s) {
-    hash.add(s.remove_outliers).add(s.voxel_size);
-    hash.add(s.outliers.neighbours).add(s.outliers.factor).add(s.outliers.ray_factor);
+void add(Hash& hash, const CleanSettings& settings) {
+    const auto& [remove_outliers, outliers, voxel_size] = settings;
+    const auto& [neighbours, factor, ray_factor] = outliers;
+    hash.add(remove_outliers).add(neighbours).add(factor).add(ray_factor).add(voxel_size);
 }
 
-void add(Hash& hash, const RegistrationSettings& s) {
-    hash.add(static_cast<int>(s.mode)).add(s.prior ? format_poses(*s.prior) : std::string());
-    hash.add(s.upright).add(s.voxel_size).add(s.max_scans).add(s.candidates_per_scan);
-    hash.add(s.pairs.size());
-    for (const auto& [first, second] : s.pairs)
+void add(Hash& hash, const RegistrationSettings& settings) {
+    const auto& [mode, prior, upright, voxel_size, max_scans, candidates, pairs] = settings;
+    hash.add(static_cast<int>(mode)).add(prior ? format_poses(*prior) : std::string());
+    hash.add(upright).add(voxel_size).add(max_scans).add(candidates).add(pairs.size());
+    for (const auto& [first, second] : pairs)
         hash.add(first).add(second);
 }
 
-void add(Hash& hash, const MergeSettings& s) {
-    hash.add(s.spacing).add(s.thin_overlaps).add(s.remove_moving).add(s.balance_colour);
+void add(Hash& hash, const MergeSettings& settings) {
+    const auto& [spacing, thin_overlaps, remove_moving, balance_colour] = settings;
+    hash.add(spacing).add(thin_overlaps).add(remove_moving).add(balance_colour);
 }
 
-void add(Hash& hash, const SurfaceSettings& s) {
-    hash.add(s.k).add(s.max_k).add(s.search_radius).add(s.range_noise).add(s.slope_error);
-    hash.add(s.sharp_edges).add(s.default_albedo);
+void add(Hash& hash, const SurfaceSettings& settings) {
+    const auto& [k, max_k, search_radius, noise, slope_error, sharp_edges, albedo] = settings;
+    hash.add(k).add(max_k).add(search_radius).add(noise).add(slope_error).add(sharp_edges);
+    hash.add(albedo);
 }
 
-void add(Hash& hash, const BuildSettings& s) {
-    hash.add(s.depth.has_value()).add(s.depth.value_or(0));
-    hash.add(s.voxel_size.has_value()).add(s.voxel_size.value_or(0.0));
-    hash.add(s.samples_per_face).add(s.deepest_automatic);
+/// Grid and tile are not a conversion's; the provenance holds the inputs, which are no setting.
+void add(Hash& hash, const BuildSettings& settings) {
+    const auto& [depth, voxel_size, samples_per_face, deepest, grid, tile, provenance] = settings;
+    static_cast<void>(grid), static_cast<void>(tile), static_cast<void>(provenance);
+    hash.add(depth.has_value()).add(depth.value_or(0));
+    hash.add(voxel_size.has_value()).add(voxel_size.value_or(0.0));
+    hash.add(samples_per_face).add(deepest);
 }
 
 void add(Hash& hash, const std::vector<AreaLight>& lights) {
