@@ -153,6 +153,44 @@ void archive(A& file, T& all) {
     file(spacing);
 }
 
+template <typename A, Is<DelightReport> T>
+void archive(A& file, T& all) {
+    auto& [applied, distance, incidence, pairs, rms_before, rms_after, reason] = all;
+    file(applied);
+    file(distance);
+    file(incidence);
+    file(pairs);
+    file(rms_before);
+    file(rms_after);
+    file(reason);
+}
+
+template <typename A, Is<SurfaceReport> T>
+void archive(A& file, T& all) {
+    auto& [points, surfels, not_finite, duplicates, isolated, grown, edges, weak, unsure_side,
+           facing_inside, facing_outside, seen_from_trajectory, orientation, albedo, delighted,
+           range_noise, search_radius, median_spacing, mean_ndf_length] = all;
+    file(points);
+    file(surfels);
+    file(not_finite);
+    file(duplicates);
+    file(isolated);
+    file(grown);
+    file(edges);
+    file(weak);
+    file(unsure_side);
+    file(facing_inside);
+    file(facing_outside);
+    file(seen_from_trajectory);
+    file(orientation);
+    file(albedo);
+    archive(file, delighted);
+    file(range_noise);
+    file(search_radius);
+    file(median_spacing);
+    file(mean_ndf_length);
+}
+
 template <typename A, Is<Conversion> T>
 void archive(A& file, T& all) {
     auto& [warnings, scans, points, outliers, registration, merge, surface] = all;
@@ -162,7 +200,7 @@ void archive(A& file, T& all) {
     file(outliers);
     archive(file, registration);
     archive(file, merge);
-    file(surface);
+    archive(file, surface);
 }
 
 template <typename A, Is<AreaLight> T>

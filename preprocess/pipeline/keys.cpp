@@ -33,9 +33,15 @@ void add(Hash& hash, const MergeSettings& settings) {
 }
 
 void add(Hash& hash, const SurfaceSettings& settings) {
-    const auto& [k, max_k, search_radius, noise, slope_error, sharp_edges, albedo] = settings;
+    const auto& [k, max_k, search_radius, noise, slope_error, sharp_edges, albedo, delight,
+                 trajectory] = settings;
     hash.add(k).add(max_k).add(search_radius).add(noise).add(slope_error).add(sharp_edges);
-    hash.add(albedo);
+    hash.add(albedo).add(delight).add(trajectory.positions.size());
+    for (const Vec3d& p : trajectory.positions)
+        hash.add(p.x).add(p.y).add(p.z);
+    hash.add(trajectory.times.size());
+    for (const double time : trajectory.times)
+        hash.add(time);
 }
 
 /// Grid and tile are not a conversion's; the provenance holds the inputs, which are no setting.
