@@ -1,8 +1,5 @@
 #include "preprocess/surface/neighbours.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -260,9 +257,7 @@ std::span<const std::uint32_t> NearestSearch::listed() {
 
 std::span<const std::uint32_t> NearestSearch::nearest(int count) {
     select(count);
-    for (std::size_t i = 0; i < chosen_count_; ++i)
-        result_[i] = index_[chosen_[i]];
-    return {result_.data(), chosen_count_};
+    return listed();
 }
 
 std::span<const std::uint32_t> NearestSearch::nearest_of_those(int count) {
@@ -291,30 +286,16 @@ std::span<const std::uint32_t> NearestSearch::nearest_in_order(int count) {
     select(count);
     std::sort(chosen_.begin(), chosen_.begin() + static_cast<std::ptrdiff_t>(chosen_count_),
               [&](std::uint32_t a, std::uint32_t b) { return is_nearer(a, b); });
-    for (std::size_t i = 0; i < chosen_count_; ++i)
-        result_[i] = index_[chosen_[i]];
-    return {result_.data(), chosen_count_};
+    return listed();
 }
 
 std::vector<std::uint32_t> nearest_neighbours(const PointTree& tree, int count, float radius) {
     const auto stride = static_cast<std::size_t>(count);
     std::vector<std::uint32_t> rows(tree.size() * stride, kNoNeighbour);
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, tree.leaves.size(), 64), [&](const auto& range) {
-            NearestSearch search(tree);
-            std::vector<std::uint32_t> queries;
-            for (std::size_t l = range.begin(); l < range.end(); ++l) {
-                const PointTree::Node& leaf = tree.nodes[tree.leaves[l]];
-                queries.resize(leaf.count);
-                std::iota(queries.begin(), queries.end(), leaf.first);
-                search.gather(queries, count, radius);
-                for (const std::uint32_t i : queries) {
-                    search.measure(i);
-                    std::ranges::copy(search.nearest_in_order(count),
-                                      rows.begin() + static_cast<std::ptrdiff_t>(i * stride));
-                }
-            }
-        });
+    for_each_neighbourhood(tree, count, radius, [&](std::uint32_t i, NearestSearch& search) {
+        std::ranges::copy(search.nearest_in_order(count),
+                          rows.begin() + static_cast<std::ptrdiff_t>(i * stride));
+    });
     return rows;
 }
 

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -67,6 +71,27 @@ class NearestSearch {
     std::vector<Range> ranges_;
     std::vector<std::uint32_t> stack_;
 };
+
+/// Calls `visit(i, search)` once for every point i of the tree, `search` measured for it and
+/// gathered for `count` neighbours within `radius` metres. In parallel: of several points at once.
+template <typename Visit>
+void for_each_neighbourhood(const PointTree& tree, int count, float radius, const Visit& visit) {
+    const tbb::blocked_range<std::size_t> leaves(0, tree.leaves.size(), 64);
+    tbb::parallel_for(leaves, [&](const auto& range) {
+        NearestSearch search(tree);
+        std::vector<std::uint32_t> queries;
+        for (std::size_t l = range.begin(); l < range.end(); ++l) {
+            const PointTree::Node& leaf = tree.nodes[tree.leaves[l]];
+            queries.resize(leaf.count);
+            std::iota(queries.begin(), queries.end(), leaf.first);
+            search.gather(queries, count, radius);
+            for (const std::uint32_t i : queries) {
+                search.measure(i);
+                visit(i, search);
+            }
+        }
+    });
+}
 
 /// The `count` nearest other points of every point, in tree order, row-major [n x count], nearest
 /// first, filled up with kNoNeighbour. In parallel.

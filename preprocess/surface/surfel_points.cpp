@@ -3,10 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include "octree/error.h"
 #include "preprocess/surface/albedo.h"
@@ -25,35 +21,22 @@ constexpr int kSpacingPoints = 16;
 std::vector<float> spacing_radii(std::span<const Vec3f> positions) {
     const PointTree tree = make_point_tree(positions);
     std::vector<float> radii(positions.size(), 0.0f);
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, tree.leaves.size(), 64), [&](const auto& range) {
-            NearestSearch search(tree);
-            std::vector<std::uint32_t> queries;
-            for (std::size_t l = range.begin(); l < range.end(); ++l) {
-                const PointTree::Node& leaf = tree.nodes[tree.leaves[l]];
-                queries.resize(leaf.count);
-                std::iota(queries.begin(), queries.end(), leaf.first);
-                search.gather(queries, kSpacingPoints - 1, kFarthest);
-                for (const std::uint32_t i : queries) {
-                    search.measure(i);
-                    const auto found = search.nearest_in_order(kSpacingPoints - 1);
-                    const Vec3f origin = tree.position(i);
-                    Moments moments;
-                    moments.add({});
-                    for (const std::uint32_t j : found) {
-                        moments.add(vec3_cast<double>(tree.position(j) - origin));
-                    }
-                    const PlaneFit fit = fit_plane(moments);
-                    float& radius = radii[tree.order[i]];
-                    if (fit.is_planar()) {
-                        radius =
-                            static_cast<float>(std::sqrt(area_per_point(fit) / std::numbers::pi));
-                    } else if (!found.empty()) {
-                        radius = length(tree.position(found[0]) - origin);
-                    }
-                }
-            }
-        });
+    constexpr int kOthers = kSpacingPoints - 1;
+    for_each_neighbourhood(tree, kOthers, kFarthest, [&](std::uint32_t i, NearestSearch& search) {
+        const auto found = search.nearest_in_order(kOthers);
+        const Vec3f origin = tree.position(i);
+        Moments moments;
+        moments.add({});
+        for (const std::uint32_t j : found)
+            moments.add(vec3_cast<double>(tree.position(j) - origin));
+        const PlaneFit fit = fit_plane(moments);
+        float& radius = radii[tree.order[i]];
+        if (fit.is_planar()) {
+            radius = static_cast<float>(std::sqrt(area_per_point(fit) / std::numbers::pi));
+        } else if (!found.empty()) {
+            radius = length(tree.position(found[0]) - origin);
+        }
+    });
     return radii;
 }
 
