@@ -3,6 +3,7 @@
 #include <span>
 
 #include "octree/surfel.h"
+#include "octree/surfel_stream.h"
 
 namespace glowworm {
 
@@ -13,5 +14,8 @@ namespace glowworm {
 /// Added samples have albedo 0 and the cloud's median spacing, at least 4 and at most 1000 to an
 /// edge. Throws Error (kUnreadable) for a rectangle without area, with a sentence that names it.
 void add_area_lights(SurfelCloud& cloud, std::span<const AreaLight> lights);
+
+/// The same for a stream, which is passed over once now; the added samples come last.
+SurfelStream with_area_lights(SurfelStream stream, std::span<const AreaLight> lights);
 
 }  // namespace glowworm

@@ -135,6 +135,13 @@ Grid fit_grid(const CloudSummary& summary, const Vec3d& origin, const BuildSetti
     return grid;
 }
 
+void require_tile(const BuildSettings& settings) {
+    const OctreeCell& tile = *settings.tile;
+    if (settings.grid && tile.level <= settings.grid->depth && tile.code >> (3 * tile.level) == 0)
+        return;
+    throw Error(ExitCode::kUsage, "a tile must be a cell of a given grid, not below its leaves");
+}
+
 void fill_missing_radii(SurfelCloud& cloud) {
     const CloudSummary summary = summarize(cloud.surfels);
     if (!summary.radius_missing || summary.usable == 0) return;
@@ -167,13 +174,8 @@ Octree build_octree(const SurfelCloud& cloud, const BuildSettings& settings,
         throw Error(ExitCode::kBudget,
                     "more than 4294967295 points do not fit one octree; build tiles");
     }
+    if (settings.tile) require_tile(settings);
     const OctreeCell tile = settings.tile.value_or(OctreeCell{});
-    if (settings.tile && (!settings.grid || tile.level > settings.grid->depth ||
-                          tile.code >> (3 * tile.level) != 0)) {
-        throw Error(ExitCode::kUsage,
-                    "a tile must be a cell of a given grid, not below its leaves");
-    }
-
     if (settings.tile && summary.radius_missing) {
         throw Error(ExitCode::kUsage,
                     "some points have no radius, and a tile cannot know the whole cloud's spacing; "
@@ -215,7 +217,7 @@ Octree build_octree(const SurfelCloud& cloud, const BuildSettings& settings,
     const std::span<const CodeIndex> own = entries_in(order, tile);
     pack_surfels(surfels, own, octree);
     octree.sample_count = own.size();
-    octree.dropped_count = tile.code == 0 ? summary.dropped : 0;
+    octree.dropped_count = summary.dropped;
     octree.bounds_min = summary.bounds_min;
     octree.bounds_max = summary.bounds_max;
     if (tile.level > 0) find_bounds(surfels, own, octree);

@@ -24,8 +24,8 @@ struct BuildSettings {
     /// lies outside is moved to the cube's side.
     std::optional<Grid> grid = {};
     /// Only this cell of `grid`, which must be given and at least as deep: its points and leaves,
-    /// and what discs from outside lay into them. Tiles join to the same bytes as one build; what
-    /// is dropped is counted by the tile with code 0.
+    /// and what discs from outside lay into them. Tiles join to the same bytes as one build; each
+    /// counts what was dropped of the points it was given.
     std::optional<OctreeCell> tile = {};
     std::string provenance = "{}";  ///< JSON to keep in the file: command, version, inputs
 };
@@ -33,6 +33,9 @@ struct BuildSettings {
 /// The root cube, 1/32 larger than the bounds and centred on them, and the depth. Throws Error
 /// (kUsage) where depth and voxel size do not fit each other or the bounds.
 Grid fit_grid(const CloudSummary& summary, const Vec3d& origin, const BuildSettings& settings);
+
+/// Throws Error (kUsage) where `settings.tile` is not a cell of `settings.grid`.
+void require_tile(const BuildSettings& settings);
 
 /// Gives samples without a radius one: the median of those that have it, else from the spacing.
 /// Before samples of another kind join a cloud: afterwards theirs would be taken for the cloud's.

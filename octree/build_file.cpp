@@ -1,191 +1,257 @@
 #include "octree/build_file.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <fstream>
 #include <string>
 #include <vector>
 
 #include "octree/error.h"
 #include "octree/join.h"
 #include "octree/spill.h"
-#include "octree/voxelize.h"
+#include "octree/tiling.h"
 
 namespace glowworm {
 namespace {
 
-constexpr std::uint64_t kLeastLimit = std::uint64_t{64} << 20;
-constexpr std::uint64_t kBytesPerSurfel = 240;  ///< measured peak of build_octree, with some room
-constexpr std::uint64_t kFixedBytes = std::uint64_t{24} << 20;
-constexpr std::uint32_t kCountLevel = 7;  ///< finest cells that tiles are made of
+constexpr std::uint64_t kMegabyte = 1000000;
+constexpr std::uint64_t kLeastRoom = 48 * kMegabyte;     ///< for a tile and the buffers
+constexpr std::uint64_t kOwnBytes = 24 * kMegabyte;      ///< blocks being read, threads, joining
+constexpr std::uint64_t kProgramBytes = 64 * kMegabyte;  ///< code and libraries, before any work
 
-/// Cells of the grid with no more surfels than fit, for each cell of the counting level.
-struct Tiling {
-    std::uint32_t level = 0;  ///< of the counted cells
-    std::vector<OctreeCell> tiles;
-    std::vector<std::uint32_t> tile_of_cell;  ///< [8^level], by Morton code
+/// What this program occupies now.
+std::uint64_t resident_bytes() {
+    std::uint64_t total = 0, resident = 0;
+    std::ifstream("/proc/self/statm") >> total >> resident;
+    return resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
 
-    std::uint32_t tile_of(std::uint64_t full_code) const {
-        return tile_of_cell[code_at_level(full_code, level)];
+/// Passes over a stream, each telling how far it is of all of them.
+class Passes {
+  public:
+    Passes(const SurfelStream& stream, const Progress& progress, std::uint64_t passes)
+        : stream_(stream), progress_(progress), passes_(passes) {}
+
+    template <typename Visit>
+    void run(const Visit& visit) {
+        stream_.for_each([&](std::span<const Surfel> batch) {
+            visit(batch);
+            advance(batch.size());
+        });
     }
+
+    /// `summary` is of the whole stream. Only usable surfels come, their values in range.
+    template <typename Visit>
+    void run_usable(const CloudSummary& summary, const Visit& visit) {
+        run([&](std::span<const Surfel> batch) {
+            for (Surfel s : batch) {
+                if (!is_usable(s)) continue;
+                if (summary.needs_repair) repair(s, summary.median_radius);
+                visit(s);
+            }
+        });
+    }
+
+    void advance(std::uint64_t surfels) {
+        done_ += surfels;
+        const std::uint64_t total = std::max(total_, std::max(stream_.expected, done_ / passes_));
+        total_ = total;
+        if (progress_) progress_(std::min(total, done_ / passes_), total);
+    }
+
+  private:
+    const SurfelStream& stream_;
+    const Progress& progress_;
+    std::uint64_t passes_, done_ = 0, total_ = 0;
 };
-
-void split_until_they_fit(std::span<const std::uint32_t> counts, OctreeCell cell,
-                          std::uint64_t capacity, Tiling& tiling) {
-    const std::uint32_t shift = 3 * (tiling.level - cell.level);
-    const std::uint64_t first = cell.code << shift, end = (cell.code + 1) << shift;
-    std::uint64_t sum = 0;
-    for (std::uint64_t c = first; c < end; ++c)
-        sum += counts[c];
-    if (sum > capacity && cell.level < tiling.level) {
-        for (std::uint64_t octant = 0; octant < 8; ++octant) {
-            split_until_they_fit(counts, {cell.level + 1, cell.code << 3 | octant}, capacity,
-                                 tiling);
-        }
-        return;
-    }
-    if (sum > capacity) {
-        throw Error(
-            ExitCode::kBudget,
-            "one cell of the octree has " + std::to_string(sum) +
-                " points, more than the memory limit holds at once; raise --memory-limit or "
-                "thin the points");
-    }
-    std::fill(tiling.tile_of_cell.begin() + static_cast<std::ptrdiff_t>(first),
-              tiling.tile_of_cell.begin() + static_cast<std::ptrdiff_t>(end),
-              static_cast<std::uint32_t>(tiling.tiles.size()));
-    tiling.tiles.push_back(cell);
-}
-
-/// Hands every usable surfel of the stream over, its values in range.
-template <typename Visit>
-void for_each_usable(const SurfelStream& stream, const CloudSummary& summary, const Visit& visit) {
-    stream.for_each([&](std::span<const Surfel> batch) {
-        for (Surfel s : batch) {
-            if (!is_usable(s)) continue;
-            if (summary.needs_repair) repair(s, summary.median_radius);
-            visit(s);
-        }
-    });
-}
-
-/// The tiles that a surfel's disc reaches, its own first.
-void find_tiles(const Surfel& surfel, const Grid& grid, const Tiling& tiling,
-                std::vector<std::uint32_t>& tiles) {
-    tiles.clear();
-    const Splat splat = splat_of(surfel, grid.voxel_size());
-    for (std::uint32_t piece = 0; piece < splat.pieces; ++piece) {
-        const std::uint32_t tile =
-            tiling.tile_of(grid.code_of(piece_position(surfel, splat, piece)));
-        if (std::find(tiles.begin(), tiles.end(), tile) == tiles.end()) tiles.push_back(tile);
-    }
-}
-
-Tiling plan_tiles(const SurfelStream& stream, const CloudSummary& summary, const Grid& grid,
-                  std::uint64_t capacity) {
-    Tiling tiling;
-    tiling.level = std::min(grid.depth, kCountLevel);
-    tiling.tile_of_cell.resize(std::size_t{1} << 3 * tiling.level);
-    std::vector<std::uint32_t> counts(tiling.tile_of_cell.size(), 0);
-    for_each_usable(stream, summary, [&](const Surfel& s) {
-        ++counts[code_at_level(grid.code_of(vec3_cast<double>(s.position)), tiling.level)];
-    });
-    split_until_they_fit(counts, {}, capacity, tiling);
-    return tiling;
-}
 
 /// What is the same for every way to build.
 SurfelCloud empty_cloud(const SurfelStream& stream) {
     return {stream.origin, {}, stream.stations, stream.area_lights};
 }
 
-Octree build_at_once(const SurfelStream& stream, const BuildSettings& settings, std::uint64_t count,
-                     const Progress& progress) {
+void write(Octree octree, std::uint64_t dropped, const std::filesystem::path& path,
+           BuildFileReport& report) {
+    octree.dropped_count = dropped;
+    report.samples = octree.sample_count;
+    report.dropped = dropped;
+    report.grid = octree.grid;
+    write_octree_file(octree.view(), path);
+}
+
+BuildFileReport build_at_once(const SurfelStream& stream, const BuildSettings& settings,
+                              const std::filesystem::path& path, const Progress& progress) {
     SurfelCloud cloud = empty_cloud(stream);
-    cloud.surfels.reserve(count);
+    cloud.surfels.reserve(stream.expected);
     stream.for_each([&](std::span<const Surfel> batch) {
+        if (progress) progress(0, std::max<std::uint64_t>(stream.expected, 1));
         cloud.surfels.insert(cloud.surfels.end(), batch.begin(), batch.end());
     });
-    return build_octree(cloud, settings, progress);
+    BuildFileReport report;
+    Octree octree = build_octree(cloud, settings, progress);
+    const std::uint64_t dropped = stream.dropped + octree.dropped_count;
+    cloud = {};
+    write(std::move(octree), dropped, path, report);
+    return report;
 }
+
+class LimitedBuild {
+  public:
+    LimitedBuild(const SurfelStream& stream, const BuildSettings& settings,
+                 const MemorySettings& memory, const std::filesystem::path& path,
+                 const Progress& progress)
+        : stream_(stream),
+          settings_(settings),
+          memory_(memory),
+          path_(path),
+          progress_(progress),
+          root_(settings.tile.value_or(OctreeCell{})),
+          fixed_(resident_bytes() + kOwnBytes),
+          passes_(stream, progress, 4) {}
+
+    BuildFileReport run() {
+        if (limited() && memory_.limit < fixed_ + kLeastRoom) {
+            refuse("a memory limit of " + std::to_string(memory_.limit / kMegabyte) +
+                   " MB is too small: it takes " +
+                   std::to_string((fixed_ + kLeastRoom) / kMegabyte + 1) + " MB at the least");
+        }
+        CloudSummarizer summarizer;
+        passes_.run([&](std::span<const Surfel> batch) { summarizer.add(batch); });
+        summary_ = summarizer.finish();
+        const std::uint64_t needed = fixed_ + memory_to_build(summary_.usable + summary_.dropped);
+        if (summary_.median_radius == 0.0 && !settings_.tile && needed <= memory_.limit)
+            return build_at_once(stream_, settings_, path_, progress_);
+        require_radii();
+        settings_.grid = fit_grid(summary_, stream_.origin, settings_);
+
+        CellWeights weights(*settings_.grid, root_);
+        passes_.run_usable(summary_, [&](const Surfel& s) { weights.add(s); });
+        if (!limited() || fixed_ + weights.total() <= memory_.limit) return build_one();
+        return build_tiles(Tiling(weights, (memory_.limit - fixed_) * 3 / 4, fixed_));
+    }
+
+  private:
+    [[noreturn]] static void refuse(const std::string& why) {
+        throw Error(ExitCode::kBudget, why + "; raise --memory-limit");
+    }
+
+    bool limited() const { return memory_.limit > 0; }
+    std::uint64_t dropped() const { return stream_.dropped + summary_.dropped; }
+
+    void require_radii() const {
+        if (summary_.usable == 0) {
+            throw Error(ExitCode::kDegenerate,
+                        "the cloud has no point with a finite position and a normal; run "
+                        "`glowworm surface` on it");
+        }
+        if (summary_.median_radius > 0.0) return;
+        throw Error(settings_.tile ? ExitCode::kUsage : ExitCode::kBudget,
+                    "the points have no radius, and finding their spacing takes all of them at "
+                    "once; run `glowworm surface` first" +
+                        std::string(settings_.tile ? "" : " or raise --memory-limit"));
+    }
+
+    BuildFileReport build_one() {
+        SurfelCloud cloud = empty_cloud(stream_);
+        passes_.run_usable(summary_, [&](const Surfel& s) {
+            if (reaches(s, *settings_.grid, root_)) cloud.surfels.push_back(s);
+        });
+        BuildFileReport report;
+        if (cloud.surfels.empty()) refuse_empty();
+        Octree octree = build_octree(cloud, settings_);
+        cloud = {};
+        write(std::move(octree), dropped(), path_, report);
+        return report;
+    }
+
+    [[noreturn]] static void refuse_empty() {
+        throw Error(ExitCode::kDegenerate,
+                    "the tile has no points and no surface; leave it out when joining");
+    }
+
+    BuildFileReport build_tiles(const Tiling& tiling) {
+        const std::filesystem::path beside = path_.has_parent_path() ? path_.parent_path() : ".";
+        const TemporaryFolder folder(memory_.temporary_folder.empty() ? beside
+                                                                      : memory_.temporary_folder);
+        BuildFileReport report;
+        std::vector<Spill> spills = spread(tiling, folder, report);
+        const std::vector<OctreeFile> built = build_each(tiling, folder, spills);
+        if (built.empty()) refuse_empty();
+        report.grid = *settings_.grid;
+        report.tiles = static_cast<std::uint32_t>(built.size());
+        for (const OctreeFile& tile : built)
+            report.samples += tile.view().sample_count;
+        report.dropped = dropped();
+        join_octrees(built, {settings_.provenance, dropped()}, path_);
+        return report;
+    }
+
+    /// An eighth of the limit goes into the buffers.
+    std::vector<Spill> spread(const Tiling& tiling, const TemporaryFolder& folder,
+                              BuildFileReport& report) {
+        std::vector<Spill> spills;
+        const std::uint64_t buffered =
+            (memory_.limit - fixed_) / 8 / sizeof(Surfel) / tiling.tiles().size();
+        for (std::size_t t = 0; t < tiling.tiles().size(); ++t) {
+            spills.emplace_back(folder.path() / ("spill" + std::to_string(t)),
+                                std::clamp<std::uint64_t>(buffered, 16, 65536));
+        }
+        std::vector<std::uint32_t> reached;
+        passes_.run_usable(summary_, [&](const Surfel& s) {
+            tiling.find(s, reached);
+            for (const std::uint32_t tile : reached)
+                spills[tile].add(s);
+            report.spilled_bytes += reached.size() * sizeof(Surfel);
+        });
+        return spills;
+    }
+
+    std::vector<OctreeFile> build_each(const Tiling& tiling, const TemporaryFolder& folder,
+                                       std::vector<Spill>& spills) {
+        std::vector<OctreeFile> built;
+        BuildSettings tile_settings = settings_;
+        tile_settings.provenance = "{}";
+        for (std::size_t t = 0; t < spills.size(); ++t) {
+            if (spills[t].size() == 0) continue;
+            SurfelCloud cloud = empty_cloud(stream_);
+            const std::uint64_t size = spills[t].size();
+            cloud.surfels = spills[t].take();
+            tile_settings.tile = tiling.tiles()[t];
+            const auto file = folder.path() / ("tile" + std::to_string(t) + ".svo");
+            Octree octree = build_octree(cloud, tile_settings);
+            cloud = {};
+            write_octree_file(octree.view(), file);
+            built.push_back(OctreeFile::open(file));
+            passes_.advance(size);
+        }
+        return built;
+    }
+
+    const SurfelStream& stream_;
+    BuildSettings settings_;
+    const MemorySettings& memory_;
+    const std::filesystem::path& path_;
+    const Progress& progress_;
+    OctreeCell root_;
+    std::uint64_t fixed_;  ///< bytes that do not depend on the points
+    Passes passes_;
+    CloudSummary summary_;
+};
 
 }  // namespace
 
 std::uint64_t memory_to_build(std::uint64_t surfels) {
-    return kFixedBytes + surfels * kBytesPerSurfel;
+    constexpr std::uint64_t kBytesPerSurfel = 240;  // as in tiling.cpp, where discs are small
+    return kProgramBytes + kOwnBytes + surfels * kBytesPerSurfel;
 }
 
 BuildFileReport build_octree_file(const SurfelStream& stream, const BuildSettings& settings,
                                   const MemorySettings& memory, const std::filesystem::path& path,
                                   const Progress& progress) {
-    CloudSummarizer summarizer;
-    stream.for_each([&](std::span<const Surfel> batch) { summarizer.add(batch); });
-    const CloudSummary summary = summarizer.finish();
-    const std::uint64_t count = summary.usable + summary.dropped;
-
-    BuildFileReport report;
-    report.samples = summary.usable;
-    report.dropped = summary.dropped;
-    if (memory.limit == 0 || summary.usable == 0 || memory_to_build(count) <= memory.limit) {
-        const Octree octree = build_at_once(stream, settings, count, progress);
-        write_octree_file(octree.view(), path);
-        report.grid = octree.grid;
-        return report;
-    }
-    if (memory.limit < kLeastLimit) {
-        throw Error(ExitCode::kBudget, "a memory limit below 64 MB is too small to build in");
-    }
-    if (summary.median_radius == 0.0) {
-        throw Error(
-            ExitCode::kBudget,
-            "the points have no radius, and finding their spacing takes more memory than the "
-            "limit; run `glowworm surface` first or raise --memory-limit");
-    }
-
-    // 1. Spread the surfels over tiles. Half of the room that is left goes into the buffers.
-    BuildSettings tile_settings = settings;
-    tile_settings.grid = fit_grid(summary, stream.origin, settings);
-    tile_settings.provenance = "{}";
-    const Grid& grid = report.grid = *tile_settings.grid;
-    const std::uint64_t capacity = (memory.limit - kFixedBytes) / kBytesPerSurfel * 3 / 4;
-    const Tiling tiling = plan_tiles(stream, summary, grid, capacity);
-    const std::filesystem::path beside = path.has_parent_path() ? path.parent_path() : ".";
-    const TemporaryFolder folder(memory.temporary_folder.empty() ? beside
-                                                                 : memory.temporary_folder);
-    std::vector<Spill> spills;
-    const std::uint64_t buffered = memory.limit / 8 / sizeof(Surfel) / tiling.tiles.size();
-    for (std::size_t t = 0; t < tiling.tiles.size(); ++t) {
-        spills.emplace_back(folder.path() / ("spill" + std::to_string(t)),
-                            std::clamp<std::uint64_t>(buffered, 16, 65536));
-    }
-    std::vector<std::uint32_t> reached;
-    std::uint64_t done = 0;
-    const auto advance = [&] {
-        if (progress && ++done % 65536 == 0) progress(done / 2, count);
-    };
-    for_each_usable(stream, summary, [&](const Surfel& s) {
-        find_tiles(s, grid, tiling, reached);
-        for (const std::uint32_t tile : reached)
-            spills[tile].add(s);
-        report.spilled_bytes += reached.size() * sizeof(Surfel);
-        advance();
-    });
-
-    // 2. Build each tile by itself, 3. join.
-    std::vector<OctreeFile> built;
-    for (std::size_t t = 0; t < spills.size(); ++t) {
-        if (spills[t].size() == 0) continue;
-        SurfelCloud cloud = empty_cloud(stream);
-        const std::uint64_t size = spills[t].size();
-        cloud.surfels = spills[t].take();
-        tile_settings.tile = tiling.tiles[t];
-        const std::filesystem::path file = folder.path() / ("tile" + std::to_string(t) + ".svo");
-        write_octree_file(build_octree(cloud, tile_settings).view(), file);
-        built.push_back(OctreeFile::open(file));
-        done += size;
-        if (progress) progress(std::min(count, done / 2), count);
-    }
-    report.tiles = static_cast<std::uint32_t>(built.size());
-    join_octrees(built, {settings.provenance, summary.dropped}, path);
-    return report;
+    if (settings.tile) require_tile(settings);
+    if (memory.limit == 0 && !settings.tile) return build_at_once(stream, settings, path, progress);
+    return LimitedBuild(stream, settings, memory, path, progress).run();
 }
 
 }  // namespace glowworm

@@ -9,11 +9,11 @@
 namespace glowworm {
 
 struct MemorySettings {
-    std::uint64_t limit = 0;                 ///< bytes the build may use, 0: as many as it needs
-    std::filesystem::path temporary_folder = {};  ///< for what does not fit; empty: beside the output
+    std::uint64_t limit = 0;  ///< bytes the whole program may use, 0: as many as it needs
+    std::filesystem::path temporary_folder = {};  ///< for what does not fit; empty: beside output
 };
 
-/// Bytes of memory that building `surfels` at once takes, measured with some room.
+/// Bytes of memory that a program that builds `surfels` at once takes, measured with some room.
 std::uint64_t memory_to_build(std::uint64_t surfels);
 
 struct BuildFileReport {
@@ -23,11 +23,12 @@ struct BuildFileReport {
     std::uint64_t spilled_bytes = 0;  ///< written to the temporary folder
 };
 
-/// Builds an octree file from a stream, within the memory limit: what does not fit is spread over
-/// cells of the grid, each cell built by itself and all of them joined. The bytes do not depend on
-/// the limit. Throws Error as build_octree does, and kBudget where the limit is below 64 MB, where
-/// one leaf has more points than fit, where points without radius do not fit (their spacing needs
-/// all of them), or where the disk is full. Temporary files are removed, whatever happens.
+/// Builds an octree file, or with `settings.tile` one tile of it, from a stream, within the memory
+/// limit: what does not fit is spread over cells of the grid, each cell built by itself and all of
+/// them joined. The bytes do not depend on the limit. Throws Error as build_octree does, and
+/// kBudget, saying what it needs, where the limit leaves less than 48 MB to work in, where one cell
+/// has more points than fit, where points without radius do not fit (their spacing needs all of
+/// them), or where the disk is full. Temporary files are removed, whatever happens.
 BuildFileReport build_octree_file(const SurfelStream& stream, const BuildSettings& settings,
                                   const MemorySettings& memory, const std::filesystem::path& path,
                                   const Progress& progress = {});

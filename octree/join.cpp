@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstring>
 
-#include "octree/check.h"
-#include "octree/chunk.h"
 #include "octree/crown.h"
 #include "octree/error.h"
+#include "octree/merge_chunks.h"
 #include "octree/octree_writer.h"
+#include "octree/structure.h"
 
 namespace glowworm {
 namespace {
@@ -18,25 +17,27 @@ namespace {
     throw Error(ExitCode::kUsage, why);
 }
 
+/// Morton code of a tile's first or last leaf.
+std::uint64_t edge_code(const OctreeView& tile, bool last) {
+    std::uint64_t code = 0;
+    std::uint32_t node = 0;
+    for (std::uint32_t level = 0; level < tile.grid.depth; ++level) {
+        const std::uint32_t mask = tile.nodes[node].mask & 0xff;
+        const int octant = last ? std::bit_width(mask) - 1 : std::countr_zero(mask);
+        node = tile.nodes[node].first +
+               (last ? static_cast<std::uint32_t>(std::popcount(mask)) - 1 : 0);
+        code = code << 3 | static_cast<std::uint64_t>(octant);
+    }
+    return code;
+}
+
 /// How many levels, counted from the root, each tile's first cells share with the tile before.
 std::vector<std::uint32_t> shared_levels(std::span<const OctreeView> tiles) {
-    const auto edge_codes = [](const OctreeView& tile, bool last) {
-        std::uint64_t code = 0;
-        std::uint32_t node = 0;
-        for (std::uint32_t level = 0; level < tile.grid.depth; ++level) {
-            const std::uint32_t mask = tile.nodes[node].mask & 0xff;
-            const int octant = last ? std::bit_width(mask) - 1 : std::countr_zero(mask);
-            node = tile.nodes[node].first +
-                   (last ? static_cast<std::uint32_t>(std::popcount(mask)) - 1 : 0);
-            code = code << 3 | static_cast<std::uint64_t>(octant);
-        }
-        return code;
-    };
     const std::uint32_t depth = tiles.front().grid.depth;
     std::vector<std::uint32_t> shared(tiles.size(), 0);
     for (std::size_t t = 1; t < tiles.size(); ++t) {
-        const std::uint64_t before = edge_codes(tiles[t - 1], true);
-        const std::uint64_t first = edge_codes(tiles[t], false);
+        const std::uint64_t before = edge_code(tiles[t - 1], true);
+        const std::uint64_t first = edge_code(tiles[t], false);
         if (first <= before) refuse("two of the tiles overlap; join tiles of one grid");
         const auto differing = static_cast<std::uint32_t>(std::bit_width(before ^ first));
         shared[t] = depth + 1 - (differing + 2) / 3;  // levels 0 .. depth - ceil(bits / 3)
@@ -152,6 +153,10 @@ class Joiner {
         }
     }
 
+    std::span<const OctreeView> of_group(const ChunkGroup& group) const {
+        return tiles_.subspan(group.first_tile, group.end_tile - group.first_tile);
+    }
+
     void write_points() {
         std::vector<Chunk> chunks;
         std::uint64_t first = 0;
@@ -162,7 +167,7 @@ class Joiner {
         };
         for (const ChunkGroup& group : crown_.chunks) {
             if (group.merge) {
-                place(merge(group).first);
+                place(merge_chunks(of_group(group)).chunk);
             } else {
                 for (const Chunk& chunk : tiles_[group.first_tile].chunks)
                     place(chunk);
@@ -173,61 +178,14 @@ class Joiner {
         writer_.begin_section(SectionKind::kSurfels, sizeof(PackedSurfel));
         for (const ChunkGroup& group : crown_.chunks) {
             if (group.merge) {
-                writer_.append(std::span<const PackedSurfel>(merge(group).second));
+                writer_.append(
+                    std::span<const PackedSurfel>(merge_chunks(of_group(group)).surfels));
             } else {
                 writer_.append(tiles_[group.first_tile].surfels);
             }
             for (std::uint32_t t = group.first_tile; t < group.end_tile; ++t)
                 files_[t].forget_pages();
         }
-    }
-
-    /// The cell that a chunk counts from.
-    OctreeCell box_of(const Chunk& chunk) const {
-        const auto level = static_cast<std::uint32_t>(std::ilogb(grid_.cube_edge / chunk.box_edge));
-        const auto axis = [&](int i) {
-            return static_cast<std::uint32_t>(std::lround(
-                (static_cast<double>(chunk.box_min[i]) - grid_.cube_min[i]) / chunk.box_edge));
-        };
-        return {level, morton_encode({axis(0), axis(1), axis(2)})};
-    }
-
-    /// One chunk from those of small tiles: positions counted from the cell they have in common.
-    std::pair<Chunk, std::vector<PackedSurfel>> merge(const ChunkGroup& group) const {
-        const OctreeCell first = box_of(tiles_[group.first_tile].chunks.front());
-        const OctreeCell last = box_of(tiles_[group.end_tile - 1].chunks.back());
-        const std::uint64_t differing = first.first_code() ^ last.first_code();
-        OctreeCell box;
-        box.level = std::min(
-            {first.level, last.level,
-             kMortonLevels - static_cast<std::uint32_t>((std::bit_width(differing) + 2) / 3)});
-        box.code = code_at_level(first.first_code(), box.level);
-        std::vector<PackedSurfel> surfels;
-        for (std::uint32_t t = group.first_tile; t < group.end_tile; ++t) {
-            for (const Chunk& chunk : tiles_[t].chunks) {
-                for (PackedSurfel surfel : tiles_[t].surfels.subspan(chunk.first, chunk.count)) {
-                    surfels.push_back(recount(surfel, box_of(chunk), box));
-                }
-            }
-        }
-        const Chunk chunk = arrange_chunk(surfels, grid_, morton_decode(box.code), box.level);
-        return {chunk, std::move(surfels)};
-    }
-
-    /// Counts a position from a larger cell: exact, because positions are truncated.
-    static PackedSurfel recount(PackedSurfel surfel, const OctreeCell& from, const OctreeCell& to) {
-        const CellIndex inner = morton_decode(from.code), outer = morton_decode(to.code);
-        const std::uint32_t up = from.level - to.level;
-        const auto axis = [&](std::uint32_t cell, std::uint32_t outer_cell, std::uint32_t q) {
-            const std::uint64_t steps = (std::uint64_t{cell} << 16 | q) >> up;
-            return static_cast<std::uint32_t>(steps - (std::uint64_t{outer_cell} << 16)) & 0xffff;
-        };
-        const std::uint32_t x = axis(inner.x, outer.x, surfel.position_xy & 0xffff);
-        const std::uint32_t y = axis(inner.y, outer.y, surfel.position_xy >> 16);
-        const std::uint32_t z = axis(inner.z, outer.z, surfel.position_z_radius & 0xffff);
-        surfel.position_xy = x | y << 16;
-        surfel.position_z_radius = z | (surfel.position_z_radius & 0xffff0000u);
-        return surfel;
     }
 
     template <typename T>
@@ -245,9 +203,8 @@ class Joiner {
         }
     }
 
-    void finish(std::uint64_t dropped) {
+    void finish(const std::optional<std::uint64_t>& dropped) {
         OctreeView joined;
-        joined.dropped_count = dropped;
         joined.grid = grid_;
         for (const OctreeView& tile : tiles_) {
             if (tile.sample_count > 0) {
@@ -260,6 +217,7 @@ class Joiner {
             joined.sample_count += tile.sample_count;
             joined.dropped_count += tile.dropped_count;
         }
+        joined.dropped_count = dropped.value_or(joined.dropped_count);
         for (const OctreeFile& file : files_)
             file.require_intact();
         writer_.finish(joined);
@@ -294,17 +252,6 @@ void join_octrees(std::span<const OctreeFile> tiles, const JoinSettings& setting
     if (tiles.empty()) throw Error(ExitCode::kDegenerate, "there are no tiles to join");
     // In Morton order, whatever the order they were given in: by their first leaf.
     std::vector<OctreeFile> files(tiles.begin(), tiles.end());
-    const auto first_leaf = [](const OctreeFile& file) {
-        const OctreeView& tile = file.view();
-        std::uint64_t code = 0;
-        std::uint32_t node = 0;
-        for (std::uint32_t level = 0; level < tile.grid.depth; ++level) {
-            code = code << 3 |
-                   static_cast<std::uint64_t>(std::countr_zero(tile.nodes[node].mask & 0xff));
-            node = tile.nodes[node].first;
-        }
-        return code;
-    };
     for (const OctreeFile& file : files) {
         const auto failures = check_structure(file.view());
         file.forget_pages();
@@ -312,7 +259,7 @@ void join_octrees(std::span<const OctreeFile> tiles, const JoinSettings& setting
             throw Error(ExitCode::kUnreadable, "a tile is damaged: " + failures[0]);
     }
     std::stable_sort(files.begin(), files.end(), [&](const OctreeFile& a, const OctreeFile& b) {
-        return first_leaf(a) < first_leaf(b);
+        return edge_code(a.view(), false) < edge_code(b.view(), false);
     });
     std::vector<OctreeView> views;
     for (const OctreeFile& file : files) {

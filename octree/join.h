@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -10,8 +11,8 @@
 namespace glowworm {
 
 struct JoinSettings {
-    std::string provenance = "{}";  ///< JSON, the joined file's
-    std::uint64_t dropped = 0;      ///< surfels dropped before there were tiles, counted as well
+    std::string provenance = "{}";              ///< JSON, the joined file's
+    std::optional<std::uint64_t> dropped = {};  ///< surfels left out; else the tiles' sum
 };
 
 /// Joins tiles of one grid (see BuildSettings::tile) and writes one octree: the same bytes as one

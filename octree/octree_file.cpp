@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <string>
 #include <system_error>
 
@@ -108,9 +109,13 @@ FileHeader checked_header(const std::filesystem::path& path, const char* bytes,
     if (header.checksum != XXH3_64bits(&header, offsetof(FileHeader, checksum))) {
         refuse(path, "is damaged: its header does not match its checksum; write it again");
     }
-    if (header.file_bytes != size) {
+    if (size < header.file_bytes) {
         refuse(path, "is truncated: " + std::to_string(size) + " of " +
                          std::to_string(header.file_bytes) + " bytes are there; write it again");
+    }
+    if (size > header.file_bytes) {
+        refuse(path, "is damaged: it is " + std::to_string(size - header.file_bytes) +
+                         " bytes longer than it was written; write it again");
     }
     if (header.depth > kMaxDepth || header.section_count > kMaxSections || !finite_header(header)) {
         refuse(path, "is damaged: its header holds impossible values; write it again");
@@ -168,6 +173,17 @@ OctreeView view_of(const std::filesystem::path& path, const char* bytes, const F
 }
 
 }  // namespace
+
+bool is_octree_of_this_version(const std::filesystem::path& path) {
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(path, ignored)) return false;
+    struct {
+        char magic[sizeof kMagic];
+        std::uint32_t version;
+    } start{};
+    std::ifstream(path, std::ios::binary).read(reinterpret_cast<char*>(&start), sizeof start);
+    return std::memcmp(start.magic, kMagic, sizeof kMagic) == 0 && start.version == kFormatVersion;
+}
 
 OctreeFile OctreeFile::open(const std::filesystem::path& path) {
     const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};

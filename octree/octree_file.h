@@ -64,6 +64,10 @@ class OctreeFile {
     OctreeView view_;
 };
 
+/// Whether `path` is a regular file that begins as an .svo of this version does, by content and not
+/// by name. False for what cannot be read.
+bool is_octree_of_this_version(const std::filesystem::path& path);
+
 /// Writes `octree` under `path`: temporary name, checksums, fsync, rename. Same octree, same bytes.
 /// Throws Error (kBudget) when the disk is full, (kUnreadable) when the folder cannot be written.
 void write_octree_file(const OctreeView& octree, const std::filesystem::path& path);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
@@ -15,6 +16,9 @@ struct SurfelStream {
     std::vector<Station> stations;
     std::vector<AreaLight> area_lights;
     std::function<void(const std::function<void(std::span<const Surfel>)>& batch)> for_each;
+    std::uint64_t expected = 0;  ///< surfels to make room for; 0: not known
+    std::uint64_t dropped =
+        0;  ///< left out before they came here; counted with those dropped later
 };
 
 }  // namespace glowworm

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "octree/cloud_summary.h"
 #include "octree/error.h"
 #include "preprocess/surface/albedo.h"
 #include "preprocess/surface/neighbours.h"
@@ -68,6 +69,27 @@ PointCloud to_points(const SurfelCloud& cloud) {
     return result;
 }
 
+Surfel to_surfel(const Points& points, std::size_t i, float radius, const Rgb8& albedo) {
+    Surfel surfel;
+    surfel.position = points.positions[i];
+    const Vec3f& normal = points.normals[i];
+    const float l = length(normal);
+    // A unit normal is kept to the bit, so that surfels survive the way through a file.
+    if (std::isfinite(l) && l > 0.0f) {
+        surfel.normal = std::abs(l - 1.0f) < 1e-6f ? normal : normal / l;
+    }
+    surfel.radius = std::isfinite(radius) ? std::max(radius, 0.0f) : 0.0f;
+    if (!points.ndf_lengths.empty() && points.ndf_lengths[i] > 0.0f) {
+        surfel.ndf_length = std::min(points.ndf_lengths[i], 1.0f);
+    }
+    surfel.albedo = to_linear(albedo);
+    if (!points.emissions.empty() && is_finite(points.emissions[i])) {
+        surfel.emission = component_max(points.emissions[i], Vec3f{});
+    }
+    if (!points.stations.empty()) surfel.station = points.stations[i];
+    return surfel;
+}
+
 SurfelCloud to_surfels(const PointCloud& cloud, float default_albedo, SurfelDefaults* defaults) {
     const Points& points = cloud.points;
     if (points.normals.empty()) {
@@ -75,8 +97,8 @@ SurfelCloud to_surfels(const PointCloud& cloud, float default_albedo, SurfelDefa
                     "The cloud has no normals, which an octree of light needs; run `glowworm "
                     "surface` on it first, or `glowworm convert`, which does it on the way.");
     }
-    SurfelDefaults missing{points.ndf_lengths.empty(), points.radii.empty(),
-                           points.colours.empty()};
+    SurfelDefaults missing{points.ndf_lengths.empty(), points.radii.empty(), points.colours.empty(),
+                           0};
     const std::vector<float> radii =
         missing.radius_missing ? spacing_radii(points.positions) : points.radii;
     AlbedoSource source = AlbedoSource::kDefault;
@@ -85,24 +107,10 @@ SurfelCloud to_surfels(const PointCloud& cloud, float default_albedo, SurfelDefa
     SurfelCloud result{cloud.origin, {}, cloud.stations, cloud.area_lights};
     result.surfels.reserve(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const Vec3f& normal = points.normals[i];
-        const float l = length(normal);
-        if (!is_finite(points.positions[i]) || !std::isfinite(l) || !(l > 0.0f)) continue;
-        Surfel surfel;
-        surfel.position = points.positions[i];
-        // A unit normal is kept to the bit, so that surfels survive the way through a file.
-        surfel.normal = std::abs(l - 1.0f) < 1e-6f ? normal : normal / l;
-        surfel.radius = std::isfinite(radii[i]) ? std::max(radii[i], 0.0f) : 0.0f;
-        if (!missing.ndf_missing && points.ndf_lengths[i] > 0.0f) {
-            surfel.ndf_length = std::min(points.ndf_lengths[i], 1.0f);
-        }
-        surfel.albedo = to_linear(albedo[i]);
-        if (!points.emissions.empty() && is_finite(points.emissions[i])) {
-            surfel.emission = component_max(points.emissions[i], Vec3f{});
-        }
-        if (!points.stations.empty()) surfel.station = points.stations[i];
-        result.surfels.push_back(surfel);
+        const Surfel surfel = to_surfel(points, i, radii[i], albedo[i]);
+        if (is_usable(surfel)) result.surfels.push_back(surfel);
     }
+    missing.dropped = points.size() - result.surfels.size();
     if (result.surfels.empty()) {
         throw Error(ExitCode::kDegenerate,
                     "None of the " + std::to_string(points.size()) +
