@@ -15,7 +15,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <functional>
+#include <map>
 #include <numbers>
 #include <random>
 #include <string>
@@ -27,6 +27,7 @@
 #include "octree/check.h"
 #include "octree/radix_sort.h"
 #include "octree/statistics.h"
+#include "preprocess/surface/surfel_file.h"
 
 namespace {
 
@@ -95,30 +96,6 @@ std::size_t header_size(const std::vector<char>& bytes) {
     return std::string_view(bytes.data(), 1000).find(kEnd) + kEnd.size();
 }
 
-Surfel surfel_of(const PlyPoint& p) {
-    Surfel s;
-    s.position = {p.position[0], p.position[1], p.position[2]};
-    s.normal = normalized(Vec3f{p.normal[0], p.normal[1], p.normal[2]});
-    s.radius = p.radius;
-    s.albedo = {0.2f, 0.15f, 0.1f};
-    return s;
-}
-
-SurfelCloud read_cave(const fs::path& path) {
-    const std::vector<char> bytes = read_file(path);
-    const char* data = bytes.data() + header_size(bytes);
-    const std::size_t count = (bytes.size() - header_size(bytes)) / sizeof(PlyPoint);
-    SurfelCloud cloud;
-    cloud.stations.resize(1);
-    cloud.surfels.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        PlyPoint p;
-        std::memcpy(&p, data + i * sizeof p, sizeof p);
-        cloud.surfels[i] = surfel_of(p);
-    }
-    return cloud;
-}
-
 double seconds(const auto& work) {
     const auto start = std::chrono::steady_clock::now();
     work();
@@ -165,35 +142,31 @@ long peak_megabytes() {
     return usage.ru_maxrss / 1024;
 }
 
-/// The cave, 65536 points at a time.
-SurfelStream stream_cave(const fs::path& path) {
-    SurfelStream stream;
-    stream.stations.resize(1);
-    stream.for_each = [path](const auto& visit) {
-        std::ifstream file(path, std::ios::binary);
-        std::string line;
-        while (std::getline(file, line) && line != "end_header") {
-        }
-        std::vector<PlyPoint> points(65536);
-        std::vector<Surfel> batch;
-        while (file) {
-            file.read(reinterpret_cast<char*>(points.data()),
-                      static_cast<std::streamsize>(points.size() * sizeof(PlyPoint)));
-            const auto count = static_cast<std::size_t>(file.gcount()) / sizeof(PlyPoint);
-            batch.clear();
-            for (std::size_t i = 0; i < count; ++i)
-                batch.push_back(surfel_of(points[i]));
-            visit(batch);
-        }
-    };
-    return stream;
+/// When each stage of a build ended, s from its beginning: the build reports what it has done after
+/// reading, sorting, splatting and packing.
+struct StageClock {
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    std::map<std::uint64_t, double> at;  ///< by fifths done
+
+    void reached(std::uint64_t done, std::uint64_t total) {
+        at[total > 0 ? done * 5 / total : 0] =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+};
+
+void build_whole(const fs::path& ply, const fs::path& svo, StageClock& clock) {
+    const SurfelFile file = open_surfels(ply, {}, 0.5f);
+    build_octree_file(file.stream, {}, {}, svo,
+                      [&](std::uint64_t done, std::uint64_t total) { clock.reached(done, total); });
 }
 
 void build_within(std::uint64_t megabytes, double millions, const fs::path& ply,
                   const fs::path& svo) {
     BuildFileReport report;
-    const double took = seconds(
-        [&] { report = build_octree_file(stream_cave(ply), {}, {.limit = megabytes << 20}, svo); });
+    const double took = seconds([&] {
+        const SurfelFile file = open_surfels(ply, {}, 0.5f);
+        report = build_octree_file(file.stream, {}, {.limit = megabytes * 1000000}, svo);
+    });
     std::printf(
         "%.1f M points within %llu MB: %.1f s, %.2f M points/s, %u tiles, %.0f MB spilled, peak "
         "%ld MB, file %.0f MB\n",
@@ -223,26 +196,29 @@ int main(int argc, char** argv) {
         return 0;
     }
 
-    std::vector<double> limit, reading, building, writing, whole, limit_cpu, whole_cpu;
+    std::vector<double> limit, reading, sorting, leaves, packing, writing, whole;
+    std::vector<double> limit_cpu, whole_cpu;
     for (int i = 0; i < repeats; ++i) {
         double cpu = cpu_seconds();
         limit.push_back(seconds([&] { touch_the_limit(ply, svo); }));
         limit_cpu.push_back(cpu_seconds() - cpu);
         cpu = cpu_seconds();
-        SurfelCloud cloud;
-        Octree octree;
-        reading.push_back(seconds([&] { cloud = read_cave(ply); }));
-        building.push_back(seconds([&] { octree = build_octree(cloud); }));
-        writing.push_back(seconds([&] { write_octree_file(octree.view(), svo); }));
+        StageClock clock;
+        whole.push_back(seconds([&] { build_whole(ply, svo, clock); }));
+        reading.push_back(clock.at[0]);
+        sorting.push_back(clock.at[1] - clock.at[0]);
+        leaves.push_back(clock.at[3] - clock.at[1]);
+        packing.push_back(clock.at[5] - clock.at[3]);
+        writing.push_back(whole.back() - clock.at[5]);
         whole_cpu.push_back(cpu_seconds() - cpu);
-        whole.push_back(reading.back() + building.back() + writing.back());
     }
     const double points = static_cast<double>(count);
     std::printf("%.1f M points, medians of %d\n", millions, repeats);
     std::printf("  limit (read, sort, write)  %6.2f s  %5.1f M points/s\n", median(limit),
                 points / median(limit) * 1e-6);
-    std::printf("  read %.2f s, build %.2f s, write %.2f s\n", median(reading), median(building),
-                median(writing));
+    std::printf(
+        "  read %.2f s, sort %.2f s, leaves %.2f s, nodes and points %.2f s, write %.2f s\n",
+        median(reading), median(sorting), median(leaves), median(packing), median(writing));
     std::printf("  whole                      %6.2f s  %5.1f M points/s, %.2f of the limit\n",
                 median(whole), points / median(whole) * 1e-6, median(whole) / median(limit));
 

@@ -112,7 +112,40 @@ void LeafSums::add_box(const LobeSample& sample, const Vec3d& lower, const Vec3d
         sample.light};
     if (sample.plane_sigma > 0.0)
         add_spread(normalized(sample.ndf), sample.plane_sigma / edge, piece);
+    add_piece(sample, piece);
+}
 
+void LeafSums::add_all(const LobeSample& sample, std::span<const Vec3d> positions) {
+    const double scale = 1.0 / edge;
+    Vec3d sum, lower = (positions[0] - centre) * scale, upper = lower;
+    double products[6] = {};
+    for (const Vec3d& position : positions) {
+        const Vec3d p = (position - centre) * scale;
+        lower = component_min(lower, p);
+        upper = component_max(upper, p);
+        sum += p;
+        products[0] += p.x * p.x;
+        products[1] += p.y * p.y;
+        products[2] += p.z * p.z;
+        products[3] += p.x * p.y;
+        products[4] += p.x * p.z;
+        products[5] += p.y * p.z;
+    }
+    const double each = sample.area / static_cast<double>(positions.size());
+    add_piece(sample, {sample.area,
+                       sample.surfels,
+                       sum * each,
+                       sample.ndf * sample.area,
+                       sample.albedo * sample.area,
+                       sample.emission * sample.area,
+                       {products[0] * each, products[1] * each, products[2] * each,
+                        products[3] * each, products[4] * each, products[5] * each},
+                       lower,
+                       upper,
+                       sample.light});
+}
+
+void LeafSums::add_piece(const LobeSample& sample, const LobeSums& piece) {
     const std::size_t index = sample.emits() ? kEmitters : nearest_axis(sample.ndf);
     if (used >> index & 1u) {
         classes[index] += piece;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "octree/node_layout.h"
 #include "octree/vec3.h"
@@ -52,10 +53,16 @@ struct LeafSums {
     void add(const LobeSample& sample);
     /// Adds a finer leaf's lobe whose patch spans `lower` to `upper` (m).
     void add_box(const LobeSample& sample, const Vec3d& lower, const Vec3d& upper);
+    /// Adds equal samples at `positions` (m) at once: the area and number of `sample` are of all of
+    /// them together, its position is not looked at.
+    void add_all(const LobeSample& sample, std::span<const Vec3d> positions);
 
     /// Writes one to three lobes, the surface's first, the larger one first, and returns how many.
     /// The surface is split in two where mean normals lie more than 60° apart.
     std::size_t finish(std::array<Lobe, kMaxLobes>& lobes) const;
+
+  private:
+    void add_piece(const LobeSample& sample, const LobeSums& piece);
 };
 
 }  // namespace glowworm

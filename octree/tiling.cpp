@@ -5,7 +5,7 @@
 #include <string>
 
 #include "octree/error.h"
-#include "octree/voxelize.h"
+#include "octree/splat.h"
 
 namespace glowworm {
 namespace {

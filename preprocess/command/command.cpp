@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 #include <algorithm>
 
-#include "octree/check.h"
+#include "octree/checksums.h"
 #include "octree/error.h"
+#include "octree/structure.h"
 #include "preprocess/command/memory_limit.h"
 
 namespace glowworm {
@@ -48,11 +49,14 @@ CLI::App* Program::add(const std::string& name, const std::string& summary, bool
     return command;
 }
 
-void require_sound(const OctreeFile& file, const std::filesystem::path& path) {
-    const std::vector<std::string> failures = check_structure(file.view());
+void require_sound(const OctreeFile& file, const std::filesystem::path& path,
+                   std::initializer_list<SectionKind> kinds) {
+    Sentences failures = check_structure(file.view());
+    if (failures.empty()) failures = check_checksums(file, kinds);
+    file.require_intact();
     if (failures.empty()) return;
-    throw Error(ExitCode::kCheckFailed,
-                fmt::format("'{}' is damaged: {}", path.string(), failures.front()));
+    throw Error(ExitCode::kCheckFailed, fmt::format("'{}' is damaged: {}; write it again",
+                                                    path.string(), failures.front()));
 }
 
 std::string format_bytes(std::uint64_t bytes) {

@@ -65,10 +65,12 @@ void add_info_command(Program& program);
 void add_check_command(Program& program);
 void add_diff_command(Program& program);
 void add_extract_command(Program& program);
+void add_join_command(Program& program);
 
-/// Throws Error (kCheckFailed) where an index inside the mapped file leads out of it: asked before
-/// a command follows them.
-void require_sound(const OctreeFile& file, const std::filesystem::path& path);
+/// Throws Error (kCheckFailed) where an index inside the mapped file leads out of it or a section
+/// of `kinds` (empty: any) does not match its checksum: asked before a command follows them.
+void require_sound(const OctreeFile& file, const std::filesystem::path& path,
+                   std::initializer_list<SectionKind> kinds = {});
 
 /// "12.3 MB" for people.
 std::string format_bytes(std::uint64_t bytes);

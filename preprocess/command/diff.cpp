@@ -73,6 +73,8 @@ void add_diff_command(Program& program) {
             require_sound(a, flags->a);
             require_sound(b, flags->b);
             const OctreeDifference difference = compare_octrees(a.view(), b.view());
+            a.require_intact();
+            b.require_intact();
             if (!run.flags.json) print(difference);
             return to_json(difference);
         });

@@ -8,6 +8,7 @@
 #include "octree/octree_file.h"
 #include "octree/pack.h"
 #include "preprocess/command/command.h"
+#include "preprocess/command/stage_flags.h"
 #include "preprocess/points.h"
 #include "preprocess/write/cloud_writer.h"
 
@@ -41,19 +42,28 @@ nlohmann::ordered_json run_extract(Run& run, const ExtractFlags& flags) {
     if (flags.level.has_value() == !flags.box.empty()) {
         throw Error(ExitCode::kUsage, "extract needs either --level N or --box, not both");
     }
+    for (std::size_t axis = 0; axis + 3 < flags.box.size(); ++axis) {
+        if (flags.box[axis] <= flags.box[axis + 3]) continue;
+        throw Error(ExitCode::kUsage,
+                    "the box's first corner must be its lower one: x y z, then x y z");
+    }
+    if (flags.level) check_cloud_extension(output);
     const OctreeFile file = OctreeFile::open(flags.input);
-    require_sound(file, flags.input);
     if (flags.level) {
-        check_cloud_extension(output);
+        require_sound(file, flags.input,
+                      {SectionKind::kLevels, SectionKind::kNodes, SectionKind::kAttributes});
         const std::vector<Voxel> voxels = extract_level(file.view(), *flags.level);
+        file.require_intact();
         write_cloud(to_cloud(voxels, file.view().grid.origin), output);
         return {{"output", output.string()}, {"level", *flags.level}, {"voxels", voxels.size()}};
     }
+    require_sound(file, flags.input);
     const Vec3d origin = file.view().grid.origin;
     const Vec3d low{flags.box[0], flags.box[1], flags.box[2]},
         high{flags.box[3], flags.box[4], flags.box[5]};
     const Octree cut =
         cut_box(file.view(), {vec3_cast<float>(low - origin), vec3_cast<float>(high - origin)});
+    file.require_intact();
     write_octree_file(cut.view(), output);
     return {{"output", output.string()},
             {"leaves", cut.levels.back().node_count},
@@ -73,7 +83,8 @@ void add_extract_command(Program& program) {
     command
         ->add_option("--box", flags->box,
                      "x y z of both corners, m, world: write this part as an .svo")
-        ->expected(6);
+        ->expected(6)
+        ->check(finite(-1e12, 1e12));
 }
 
 }  // namespace glowworm

@@ -34,15 +34,24 @@ void add_info_command(Program& program) {
     struct Flags {
         std::filesystem::path file;
         ReadSettings read;
+        std::filesystem::path plot;
     };
     auto flags = std::make_shared<Flags>();
     CLI::App* command =
         program.add("info", "what is in an octree file or a scan", false, [flags](Run& run) {
             refuse_json(flags->file);
-            return is_octree_file(flags->file) ? octree_info(flags->file, run.flags.json)
-                                               : scan_info(flags->file, flags->read, run);
+            const bool octree = is_octree_file(flags->file);
+            if (!flags->plot.empty()) {
+                if (!octree) throw Error(ExitCode::kUsage, "--plot draws the levels of an .svo");
+                require_writable_output(flags->plot, run.flags.force);
+                require_distinct(flags->plot, {flags->file});
+            }
+            return octree ? octree_info(flags->file, run.flags.json, flags->plot)
+                          : scan_info(flags->file, flags->read, run);
         });
     command->add_option("file", flags->file, "an .svo or any scan")->required();
+    command->add_option("--plot", flags->plot,
+                        "draw histograms of every level of an .svo into this PNG");
     add_read_flags(*command, flags->read);
 }
 

@@ -61,6 +61,7 @@ int run(int argc, char** argv) {
     add_check_command(program);
     add_diff_command(program);
     add_extract_command(program);
+    add_join_command(program);
 
     require_known_command(app, {argv + 1, argv + argc});
     try {

@@ -9,6 +9,8 @@
 #include "octree/node_layout.h"
 #include "octree/statistics.h"
 #include "preprocess/command/command.h"
+#include "preprocess/command/grid_file.h"
+#include "preprocess/command/level_plot.h"
 
 namespace glowworm {
 namespace {
@@ -49,6 +51,7 @@ Json to_json(const OctreeStatistics& s) {
     return {{"format_version", s.format_version},
             {"depth", s.grid.depth},
             {"voxel_size", s.grid.voxel_size()},
+            {"grid", grid_json(s.grid)},
             {"origin", vector_json(s.grid.origin)},
             {"bounds", bounds_json(s)},
             {"samples", s.samples},
@@ -126,9 +129,11 @@ bool is_octree_file(const std::filesystem::path& path) {
     return std::memcmp(start, kMagic, sizeof(kMagic)) == 0;
 }
 
-Json octree_info(const std::filesystem::path& path, bool json) {
+Json octree_info(const std::filesystem::path& path, bool json, const std::filesystem::path& plot) {
     const OctreeFile file = OctreeFile::open(path);
     const OctreeStatistics statistics = measure_octree(file.view(), file.bytes());
+    if (!plot.empty()) write_png(plot_levels(measure_levels(file.view())), plot);
+    file.require_intact();
     if (!json) print(statistics, path);
     return to_json(statistics);
 }

@@ -120,13 +120,11 @@ BuildSettings BuildFlags::settings(const std::string& command, std::vector<Input
                                    const std::string& hash) const {
     if (!lights.empty()) inputs.push_back(describe_input(lights));
 
-    std::string words = "glowworm " + command;
-    if (depth) words += fmt::format(" --depth {}", *depth);
-    if (voxel_size) words += fmt::format(" --voxel-size {}", *voxel_size);
     BuildSettings settings;
     settings.depth = depth;
     settings.voxel_size = voxel_size;
-    settings.provenance = provenance_json(words, inputs, hash);
+    // The header says depth and cube: tiles on a grid fixed elsewhere join to the same bytes.
+    settings.provenance = provenance_json("glowworm " + command, inputs, hash);
     return settings;
 }
 

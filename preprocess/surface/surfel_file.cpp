@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -32,7 +33,8 @@ struct Conversion {
     std::size_t stations = 0;  ///< that the file names; 0: its station column means nothing here
 };
 
-/// A point whose position is not finite stays, so that whoever builds drops and counts it.
+/// A point that is nowhere or absurdly far stays without a position, so that whoever builds drops
+/// and counts it.
 void to_points(PointBlock& block, const Conversion& conversion, Points& points) {
     points.positions.clear();
     points.normals.clear();
@@ -43,7 +45,12 @@ void to_points(PointBlock& block, const Conversion& conversion, Points& points) 
     points.emissions.clear();
     block.intensities.clear();
     block.times.clear();
+    block.grid.clear();
     if (conversion.stations == 0) block.stations.clear();
+    for (Vec3d& p : block.positions) {
+        if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) > kFarthestMetres)
+            p.x = std::numeric_limits<double>::quiet_NaN();
+    }
     append_block(block, conversion.offset, points);
     for (const std::uint32_t station : points.stations) {
         if (station < conversion.stations) continue;
@@ -103,6 +110,7 @@ std::optional<SurfelFile> stream_from_file(const std::filesystem::path& path,
     while ((!chosen || (columns.colours && !conversion.coloured)) && file->next_block(block)) {
         conversion.coloured = conversion.coloured || !is_black(block);
         drop_not_finite(block);
+        drop_too_far(block);
         if (chosen || block.size() == 0) continue;
         conversion.offset = choose_offset(block);
         chosen = true;
@@ -150,7 +158,7 @@ SurfelFile open_surfels(const std::filesystem::path& path, const ReadSettings& s
     auto cloud = std::make_shared<SurfelCloud>(
         to_surfels(read_cloud(path, settings, &report), default_albedo, &result.defaults));
     for (const ScanCounts& scan : report.scans)
-        result.stream.dropped += scan.not_finite;
+        result.stream.dropped += scan.not_finite + scan.too_far;
     result.in_memory = true;
     result.stream.dropped += result.defaults.dropped;
     result.stream.origin = cloud->origin;

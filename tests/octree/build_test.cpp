@@ -12,7 +12,7 @@
 #include "octree/error.h"
 #include "octree/morton.h"
 #include "octree/pack.h"
-#include "octree/voxelize.h"
+#include "octree/splat.h"
 #include "testing.h"
 
 namespace glowworm {
