@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "octree/error.h"
+#include "octree/stale_files.h"
 
 namespace glowworm {
 namespace {
@@ -39,8 +40,10 @@ std::filesystem::path folder_of(const std::filesystem::path& path) {
 AtomicFile::AtomicFile(std::filesystem::path final_path)
     : final_path_(std::move(final_path)), temporary_path_(unique_sibling(final_path_)) {
     if (std::filesystem::is_directory(final_path_)) throw_write_error(final_path_, EISDIR);
+    remove_stale(folder_of(final_path_), "." + final_path_.filename().string() + ".", ".partial");
     descriptor_ = ::open(temporary_path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
     if (descriptor_ < 0) throw_write_error(final_path_, errno);
+    hold(descriptor_);
 }
 
 AtomicFile::AtomicFile(AtomicFile&& other) noexcept

@@ -64,7 +64,7 @@ void check_lobes(const OctreeView& octree, std::span<const std::uint64_t> codes,
     });
     expect("have patch bounds the wrong way round", [](const Lobe& l) { return !patch_fits(l); });
     const Level leaves = octree.levels[octree.grid.depth];
-    expect_all(sentences, codes.size(), "leaf", "have a lobe outside their cell",
+    expect_all(sentences, codes.size(), "leaf node", "have a lobe outside their cell",
                [&](std::size_t i) {
                    const Node leaf = octree.nodes[leaves.first_node + i];
                    for (std::uint32_t l = 0; l < leaf.mask >> 8; ++l) {

@@ -1,5 +1,8 @@
 #include "octree/spill.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -8,6 +11,7 @@
 #include <string>
 
 #include "octree/error.h"
+#include "octree/stale_files.h"
 
 namespace glowworm {
 namespace {
@@ -27,14 +31,19 @@ using File = std::unique_ptr<std::FILE, CloseFile>;
 }  // namespace
 
 TemporaryFolder::TemporaryFolder(const std::filesystem::path& parent) {
-    std::string pattern = (parent / ".glowworm-build-XXXXXX").string();
+    const std::string prefix = ".glowworm-build-";
+    remove_stale(parent, prefix);
+    std::string pattern = (parent / (prefix + "XXXXXX")).string();
     if (::mkdtemp(pattern.data()) == nullptr) fail(pattern, "cannot make", errno);
     path_ = pattern;
+    descriptor_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor_ >= 0) hold(descriptor_);
 }
 
 TemporaryFolder::~TemporaryFolder() {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
+    if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 Spill::Spill(std::filesystem::path file, std::size_t buffered)

@@ -9,7 +9,8 @@
 
 namespace glowworm {
 
-/// A folder of its own for temporary files, removed with them at the end of its scope.
+/// A folder of its own for temporary files, removed with them at the end of its scope. Those that
+/// killed programs left in the same place are removed with it.
 class TemporaryFolder {
   public:
     /// Made inside `parent`. Throws Error (kUnreadable) where that cannot be written.
@@ -21,6 +22,7 @@ class TemporaryFolder {
 
   private:
     std::filesystem::path path_;
+    int descriptor_ = -1;  ///< holds the folder
 };
 
 /// Surfels put aside on disk, in the order they came. Holds up to `buffered` of them in memory and

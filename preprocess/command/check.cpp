@@ -22,8 +22,9 @@ void add_check_command(Program& program) {
             for (const std::string& failure : failures)
                 fmt::print(stderr, "{}\n", failure);
             if (run.flags.json) fmt::print("{}\n", result.dump(2));
-            throw Error(ExitCode::kCheckFailed, fmt::format("'{}' fails {} checks; make it anew",
-                                                            file->string(), failures.size()));
+            throw Error(ExitCode::kCheckFailed,
+                        fmt::format("'{}' fails {}; make it anew", file->string(),
+                                    format_number_of(failures.size(), "check")));
         });
     command->add_option("file", *file, "an .svo file")->required();
 }

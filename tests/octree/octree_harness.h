@@ -43,6 +43,9 @@ inline bool try_octree_bytes(std::span<const unsigned char> bytes) {
                 measure_octree(octree.view(), octree.bytes());
                 coarsen(octree.view(), octree.view().grid.depth / 2);
                 extract_level(octree.view(), octree.view().grid.depth);
+                const float edge = octree.view().grid.cube_edge;
+                const Vec3f corner = octree.view().grid.cube_min;
+                cut_box(octree.view(), {corner, corner + Vec3f{edge, edge, edge}});
             }
         } catch (const Error&) {
             // Refused with a sentence: what is asked of it.

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace glowworm {
+
+/// Says that the temporary file or folder open as `descriptor` is in use, until it is closed or the
+/// program ends, however it ends.
+void hold(int descriptor);
+
+/// Removes what killed programs left behind: files and folders in `folder` whose names begin with
+/// `prefix` and contain `mark`, that nobody holds and nobody has changed for a minute. Failures are
+/// passed over: another program may be doing the same.
+void remove_stale(const std::filesystem::path& folder, const std::string& prefix,
+                  const std::string& mark = {});
+
+}  // namespace glowworm
