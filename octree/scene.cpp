@@ -62,6 +62,22 @@ struct Entry {
     }
 };
 
+/// What of `json` is none of `known`, as text; empty where nothing is left.
+std::string unknown_keys(Json json, std::initializer_list<const char*> known) {
+    for (const char* key : known)
+        json.erase(key);
+    return json.empty() ? std::string() : json.dump();
+}
+
+constexpr std::initializer_list<const char*> kPointKeys = {"type", "name", "position",
+                                                           "radiant_intensity"};
+constexpr std::initializer_list<const char*> kSpotKeys = {
+    "type", "name", "position", "direction", "cone_deg", "blend", "radiant_intensity"};
+constexpr std::initializer_list<const char*> kAreaKeys = {"type", "name", "corners", "radiance"};
+constexpr std::initializer_list<const char*> kCameraKeys = {"name",     "position", "look_at", "up",
+                                                            "vfov_deg", "width",    "height"};
+constexpr std::initializer_list<const char*> kSceneKeys = {"lights", "cameras"};
+
 AreaLight read_area_light(const Entry& light) {
     AreaLight area{light.text("name"), {}, light.channels("radiance")};
     const Json& corners = light.required("corners");
@@ -74,8 +90,9 @@ AreaLight read_area_light(const Entry& light) {
 void read_light(const Entry& light, Scene& scene) {
     const std::string type = light.text("type");
     if (type == "point") {
-        scene.point_lights.push_back(
-            {light.text("name"), light.vector("position"), light.channels("radiant_intensity")});
+        scene.point_lights.push_back({light.text("name"), light.vector("position"),
+                                      light.channels("radiant_intensity"),
+                                      unknown_keys(light.json, kPointKeys)});
     } else if (type == "spot") {
         SpotLight spot;
         spot.name = light.text("name");
@@ -84,12 +101,14 @@ void read_light(const Entry& light, Scene& scene) {
         spot.cone_deg = light.number("cone_deg");
         spot.blend = light.number("blend");
         spot.radiant_intensity = light.channels("radiant_intensity");
+        spot.unknown = unknown_keys(light.json, kSpotKeys);
         if (!(spot.cone_deg > 0 && spot.cone_deg <= 180))
             light.fail("cone_deg", "must be in (0, 180]");
         if (!(spot.blend >= 0 && spot.blend <= 1)) light.fail("blend", "must be in [0, 1]");
         scene.spot_lights.push_back(spot);
     } else if (type == "area") {
         scene.area_lights.push_back(read_area_light(light));
+        scene.area_unknown.push_back(unknown_keys(light.json, kAreaKeys));
     } else {
         light.fail("type", "is '" + type + "', not point, spot or area");
     }
@@ -110,6 +129,7 @@ Camera read_camera(const Entry& entry) {
     if (!(length(camera.look_at - camera.position) > 0)) entry.fail("look_at", "is the position");
     camera.width = static_cast<int>(width);
     camera.height = static_cast<int>(height);
+    camera.unknown = unknown_keys(entry.json, kCameraKeys);
     return camera;
 }
 
@@ -134,6 +154,26 @@ void for_each_entry(const Json& root, const char* key, const char* word, const s
     }
 }
 
+/// An object to be written: the keys that were kept, then ours.
+struct Written {
+    using Value = nlohmann::ordered_json;
+
+    explicit Written(const std::string& unknown)
+        : value(unknown.empty() ? Value::object() : Value::parse(unknown)) {}
+    template <typename T>
+    Written& operator()(const char* key, const T& content) {
+        value[key] = content;
+        return *this;
+    }
+
+    Value value;
+};
+
+template <typename T>
+Written::Value list_of(const Vec3<T>& v) {
+    return {v.x, v.y, v.z};
+}
+
 }  // namespace
 
 Scene read_scene(const std::filesystem::path& path) {
@@ -153,7 +193,45 @@ Scene read_scene(const std::filesystem::path& path) {
                    [&](const Entry& light) { read_light(light, scene); });
     for_each_entry(root, "cameras", "camera", path.string(),
                    [&](const Entry& camera) { scene.cameras.push_back(read_camera(camera)); });
+    scene.unknown = unknown_keys(root, kSceneKeys);
     return scene;
+}
+
+std::string scene_json(const Scene& scene) {
+    Written root(scene.unknown);
+    Written::Value lights = Written::Value::array(), cameras = Written::Value::array();
+    for (const PointLight& light : scene.point_lights) {
+        Written json(light.unknown);
+        json("type", "point")("name", light.name)("position", list_of(light.position));
+        json("radiant_intensity", list_of(light.radiant_intensity));
+        lights.push_back(json.value);
+    }
+    for (const SpotLight& light : scene.spot_lights) {
+        Written json(light.unknown);
+        json("type", "spot")("name", light.name)("position", list_of(light.position));
+        json("direction", list_of(light.direction))("cone_deg", light.cone_deg);
+        json("blend", light.blend)("radiant_intensity", list_of(light.radiant_intensity));
+        lights.push_back(json.value);
+    }
+    for (std::size_t i = 0; i < scene.area_lights.size(); ++i) {
+        const AreaLight& light = scene.area_lights[i];
+        Written json(i < scene.area_unknown.size() ? scene.area_unknown[i] : "");
+        Written::Value corners = Written::Value::array();
+        for (const Vec3d& corner : light.corners)
+            corners.push_back(list_of(corner));
+        json("type", "area")("name", light.name)("corners", corners);
+        json("radiance", list_of(light.radiance));
+        lights.push_back(json.value);
+    }
+    for (const Camera& camera : scene.cameras) {
+        Written json(camera.unknown);
+        json("name", camera.name)("position", list_of(camera.position));
+        json("look_at", list_of(camera.look_at))("up", list_of(camera.up));
+        json("vfov_deg", camera.vfov_deg)("width", camera.width)("height", camera.height);
+        cameras.push_back(json.value);
+    }
+    root("lights", lights)("cameras", cameras);
+    return root.value.dump(1) + "\n";
 }
 
 }  // namespace glowworm

@@ -2,14 +2,13 @@
 
 namespace glowworm {
 
-void Canvas::show(Display& display, const Buffer& beauty, int width, int height, double stops,
-                  ToneCurve curve) {
+const Texture& Canvas::target(int width, int height) {
     if (texture_.width() != width || texture_.height() != height) {
         texture_ = Texture("canvas", GL_RGBA8, width, height);
         const Texture* const colors[] = {&texture_};
         framebuffer_ = Framebuffer("canvas", colors, nullptr);
     }
-    display.draw(beauty, texture_, stops, curve);
+    return texture_;
 }
 
 void Canvas::present(int window_width, int window_height) const {

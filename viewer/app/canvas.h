@@ -7,9 +7,8 @@ namespace glowworm {
 /// A picture between the frame and the window: as fine as there was time for, then stretched.
 class Canvas {
   public:
-    /// Tone-maps a frame of `width` x `height` pixels.
-    void show(Display& display, const Buffer& beauty, int width, int height, double stops,
-              ToneCurve curve);
+    /// Somewhere to draw a frame of `width` x `height` pixels.
+    const Texture& target(int width, int height);
     /// Copies it over the window's framebuffer of that size.
     void present(int window_width, int window_height) const;
 

@@ -17,6 +17,7 @@ constexpr std::size_t kSurveyPoints = 60000;        // enough to tell a wall fro
 constexpr int kAzimuths = 36;                       // of 10° each
 constexpr int kElevations = 5;                      // patches one above the other, of 8° each
 constexpr double kLowest = -0.35, kHighest = 0.35;  // rad: the band of elevations a walker looks in
+constexpr double kHeadlampHeight = 0.15;            // m over the eye
 constexpr float kLampIntensity = 4.0f;              // W·sr⁻¹: 1 W·m⁻² at 2 m
 
 /// An even subsample of the cloud, in the octree's frame.
@@ -184,8 +185,18 @@ std::vector<AreaLight> area_lights_of(const OctreeView& octree) {
 }
 
 PointLight headlamp_at(const Camera& camera, float radiant_intensity) {
-    const Vec3d above = camera.position + camera.up * 0.15;
+    const Vec3d above = camera.position + camera.up * kHeadlampHeight;
     return {kHeadlampName, above, Vec3f{1, 1, 1} * radiant_intensity};
+}
+
+std::optional<Headlamp> take_headlamp(Scene& scene) {
+    const auto found = std::find_if(scene.point_lights.begin(), scene.point_lights.end(),
+                                    [](const PointLight& l) { return l.name == kHeadlampName; });
+    if (found == scene.point_lights.end()) return std::nullopt;
+    const Headlamp headlamp{found->position - Vec3d{0, 0, kHeadlampHeight},
+                            found->radiant_intensity.y};
+    scene.point_lights.erase(found);
+    return headlamp;
 }
 
 Scene default_scene(const OctreeView& octree) {

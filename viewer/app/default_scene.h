@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "octree/octree_file.h"
 #include "octree/scene.h"
 
@@ -14,6 +16,13 @@ inline constexpr const char* kHeadlampName = "headlamp";
 
 /// The lamp on the viewer's helmet: white, a little above the eye.
 PointLight headlamp_at(const Camera& camera, float radiant_intensity);
+
+/// Takes the headlamp out of a scene that has one.
+struct Headlamp {
+    Vec3d eye;                ///< m, world: the camera it belongs to
+    float radiant_intensity;  ///< W·sr⁻¹
+};
+std::optional<Headlamp> take_headlamp(Scene& scene);
 
 /// The area lights that an octree file carries.
 std::vector<AreaLight> area_lights_of(const OctreeView& octree);

@@ -12,18 +12,21 @@ constexpr double kSlowest = 0.01, kFastest = 200.0;  // m/s
 
 }  // namespace
 
-FlyCamera::FlyCamera(const Camera& camera)
-    : position_(camera.position), vfov_deg_(camera.vfov_deg) {
+FlyCamera::FlyCamera(const Camera& camera) {
+    take_place_of(camera);
+}
+
+void FlyCamera::take_place_of(const Camera& camera) {
+    position_ = camera.position;
+    vfov_deg_ = camera.vfov_deg;
     const Vec3d d = normalized(camera.look_at - camera.position, Vec3d{1, 0, 0});
     azimuth_ = std::atan2(d.y, d.x);
     elevation_ = std::clamp(std::asin(std::clamp(d.z, -1.0, 1.0)), -kSteepest, kSteepest);
 }
 
 void FlyCamera::move(const FlyInput& input, double seconds) {
-    const Vec3d ahead = forward();
-    const Vec3d aside{std::sin(azimuth_), -std::cos(azimuth_), 0.0};
-    position_ +=
-        (ahead * input.ahead + aside * input.aside + Vec3d{0, 0, input.rise}) * (speed_ * seconds);
+    position_ += (forward() * input.ahead + right() * input.aside + Vec3d{0, 0, input.rise}) *
+                 (speed_ * seconds);
 }
 
 void FlyCamera::turn(double right, double up) {
@@ -33,6 +36,40 @@ void FlyCamera::turn(double right, double up) {
 
 void FlyCamera::change_speed(double notches) {
     speed_ = std::clamp(speed_ * std::pow(1.25, notches), kSlowest, kFastest);
+}
+
+void FlyCamera::orbit(const Vec3d& pivot, double right_angle, double up_angle) {
+    const Vec3d offset = pivot - position_, side = right(), ahead = forward();
+    const Vec3d above = cross(side, ahead);
+    const double x = dot(offset, side), y = dot(offset, above), z = dot(offset, ahead);
+    turn(right_angle, up_angle);
+    position_ = pivot - (right() * x + cross(right(), forward()) * y + forward() * z);
+}
+
+void FlyCamera::pan(double to_right, double to_up) {
+    position_ += right() * to_right + cross(right(), forward()) * to_up;
+}
+
+void FlyCamera::dolly(const Vec3d& point, double factor) {
+    position_ = point + (position_ - point) * factor;
+}
+
+void FlyCamera::face(double bearing_deg) {
+    azimuth_ = std::numbers::pi / 2.0 - bearing_deg * std::numbers::pi / 180.0;
+    elevation_ = 0.0;
+}
+
+void FlyCamera::set_vfov_deg(double vfov_deg) {
+    vfov_deg_ = std::clamp(vfov_deg, 10.0, 120.0);
+}
+
+Vec3d FlyCamera::right() const {
+    return {std::sin(azimuth_), -std::cos(azimuth_), 0.0};
+}
+
+double FlyCamera::bearing_deg() const {
+    const double bearing = 90.0 - azimuth_ * 180.0 / std::numbers::pi;
+    return std::fmod(bearing + 720.0, 360.0);
 }
 
 Vec3d FlyCamera::forward() const {

@@ -25,8 +25,26 @@ class FlyCamera {
     /// One notch of the wheel is a factor of 1.25.
     void change_speed(double notches);
 
+    /// Turns by such angles round `pivot`, which stays where it is in the picture.
+    void orbit(const Vec3d& pivot, double right, double up);
+    /// Moves by m along the picture's edges.
+    void pan(double right, double up);
+    /// The distance to `point` becomes `factor` times as large; it stays where it is in the
+    /// picture.
+    void dolly(const Vec3d& point, double factor);
+    /// Looks level toward a bearing, degrees clockwise from north (+Y).
+    void face(double bearing_deg);
+    void move_to(const Vec3d& position) { position_ = position; }
+    /// Stands where `camera` stands and looks where it looks; the speed stays.
+    void take_place_of(const Camera& camera);
+    void set_vfov_deg(double vfov_deg);  ///< clamped to 10..120
+
     double speed() const { return speed_; }  ///< m/s
+    double vfov_deg() const { return vfov_deg_; }
+    const Vec3d& position() const { return position_; }
     Vec3d forward() const;
+    Vec3d right() const;
+    double bearing_deg() const;  ///< 0..360
     /// The camera at this moment, for a picture of `width` x `height` pixels.
     Camera camera(int width, int height) const;
 

@@ -1,34 +1,136 @@
 #include "viewer/app/lamps.h"
 
-namespace glowworm {
+#include <algorithm>
 
-std::vector<LampControl> lamp_controls(const Scene& scene) {
-    std::vector<LampControl> controls;
-    for (const PointLight& light : scene.point_lights)
-        controls.push_back({light.name});
-    for (const SpotLight& light : scene.spot_lights)
-        controls.push_back({light.name});
-    for (const AreaLight& light : scene.area_lights)
-        controls.push_back({light.name});
-    return controls;
+#include "viewer/app/photometry.h"
+
+namespace glowworm {
+namespace {
+
+constexpr LampPreset kPresets[] = {
+    {"carbide lamp", LampKind::kPoint, 100.0, 2400.0, 60.0, 0.3},
+    {"LED headlamp", LampKind::kSpot, 300.0, 5700.0, 45.0, 0.7},
+    {"show-cave spot", LampKind::kSpot, 800.0, 3000.0, 35.0, 0.4},
+    {"show-cave flood", LampKind::kSpot, 1500.0, 4000.0, 110.0, 0.5},
+};
+
+AreaLight area_light_of(const Lamp& lamp) {
+    AreaLight light{lamp.name, {}, lamp.strength};
+    std::copy(lamp.corners.begin(), lamp.corners.end(), light.corners);
+    return light;
 }
 
-Scene controlled_scene(const Scene& scene, const std::vector<LampControl>& lamps) {
-    Scene lit = scene;
-    std::size_t next = 0;
-    const auto control = [&](Vec3f& power) {
-        const LampControl& lamp = lamps[next++];
-        const float factor = lamp.on ? lamp.brightness : 0.0f;
-        for (int c = 0; c < 3; ++c)
-            power[c] *= factor * lamp.tint[c];
-    };
-    for (PointLight& light : lit.point_lights)
-        control(light.radiant_intensity);
-    for (SpotLight& light : lit.spot_lights)
-        control(light.radiant_intensity);
-    for (AreaLight& light : lit.area_lights)
-        control(light.radiance);
+/// Watts of a lamp whose strength has luminance 1.
+double power_of_unit(const Lamp& lamp) {
+    switch (lamp.kind) {
+        case LampKind::kPoint:
+            return power_of(PointLight{"", {}, {1, 1, 1}});
+        case LampKind::kSpot:
+            return spot_solid_angle(lamp.cone_deg, lamp.blend);
+        case LampKind::kArea: {
+            AreaLight light = area_light_of(lamp);
+            light.radiance = {1, 1, 1};
+            return power_of(light);
+        }
+    }
+    return 0.0;
+}
+
+}  // namespace
+
+std::vector<Lamp> lamps_of(const Scene& scene) {
+    std::vector<Lamp> lamps;
+    for (const PointLight& light : scene.point_lights) {
+        Lamp lamp{LampKind::kPoint, light.name};
+        lamp.position = light.position;
+        lamp.strength = light.radiant_intensity;
+        lamp.unknown = light.unknown;
+        lamps.push_back(lamp);
+    }
+    for (const SpotLight& light : scene.spot_lights) {
+        Lamp lamp{LampKind::kSpot, light.name};
+        lamp.position = light.position;
+        lamp.direction = light.direction;
+        lamp.cone_deg = light.cone_deg;
+        lamp.blend = light.blend;
+        lamp.strength = light.radiant_intensity;
+        lamp.unknown = light.unknown;
+        lamps.push_back(lamp);
+    }
+    for (std::size_t i = 0; i < scene.area_lights.size(); ++i) {
+        const AreaLight& light = scene.area_lights[i];
+        Lamp lamp{LampKind::kArea, light.name};
+        std::copy(std::begin(light.corners), std::end(light.corners), lamp.corners.begin());
+        for (const Vec3d& corner : light.corners)
+            lamp.position += corner / 4.0;
+        lamp.direction = light.normal();
+        lamp.strength = light.radiance;
+        if (i < scene.area_unknown.size()) lamp.unknown = scene.area_unknown[i];
+        lamps.push_back(lamp);
+    }
+    return lamps;
+}
+
+Scene with_lamps(const Scene& scene, std::span<const Lamp> lamps) {
+    Scene lit;
+    lit.cameras = scene.cameras;
+    lit.unknown = scene.unknown;
+    for (Lamp lamp : lamps) {
+        if (!lamp.on) lamp.strength = {};
+        if (lamp.kind == LampKind::kPoint) {
+            lit.point_lights.push_back({lamp.name, lamp.position, lamp.strength, lamp.unknown});
+        } else if (lamp.kind == LampKind::kSpot) {
+            lit.spot_lights.push_back({lamp.name, lamp.position, lamp.direction, lamp.cone_deg,
+                                       lamp.blend, lamp.strength, lamp.unknown});
+        } else {
+            lit.area_lights.push_back(area_light_of(lamp));
+            lit.area_unknown.push_back(lamp.unknown);
+        }
+    }
     return lit;
+}
+
+double power_of(const Lamp& lamp) {
+    return power_of_unit(lamp) * luminance_of(lamp.strength);
+}
+
+Vec3f strength_for(const Lamp& lamp, double watts) {
+    const double luminance = luminance_of(lamp.strength);
+    const Vec3f color =
+        luminance > 0 ? lamp.strength / static_cast<float>(luminance) : Vec3f{1, 1, 1};
+    return color * static_cast<float>(watts / power_of_unit(lamp));
+}
+
+void set_color(Lamp& lamp, const Vec3f& color) {
+    const double wanted = luminance_of(color);
+    if (!(wanted > 0)) return;
+    lamp.strength = color * static_cast<float>(luminance_of(lamp.strength) / wanted);
+}
+
+std::span<const LampPreset> lamp_presets() {
+    return kPresets;
+}
+
+Lamp lamp_from(const LampPreset& preset, const Vec3d& position, const Vec3d& direction) {
+    Lamp lamp{preset.kind, preset.name};
+    lamp.position = position;
+    lamp.direction = normalized(direction, Vec3d{0, 0, -1});
+    lamp.cone_deg = preset.cone_deg;
+    lamp.blend = preset.blend;
+    lamp.strength = color_of_temperature(preset.kelvin);
+    lamp.strength = strength_for(lamp, preset.lumens / kLuminousEfficacy);
+    return lamp;
+}
+
+std::string free_name(std::span<const Lamp> lamps, const std::string& wanted) {
+    const auto taken = [&](const std::string& name) {
+        return std::any_of(lamps.begin(), lamps.end(),
+                           [&](const Lamp& lamp) { return lamp.name == name; });
+    };
+    std::string name = wanted;
+    for (int number = 2; taken(name); ++number)
+        name = wanted + " " + std::to_string(number);
+    return name;
 }
 
 }  // namespace glowworm

@@ -35,6 +35,7 @@ void LiveLight::set_scene(const Scene& scene) {
     field_->set_scene(scene);
     settled_ = most_bounces_ == 0;
     bounces_ = 0;
+    residuals_.clear();
     if (most_bounces_) field_->forget_indirect();  // so many bounces of these lights, not of others
 }
 
@@ -58,6 +59,7 @@ bool LiveLight::advance() {
         const Convergence result = field_->converge(kTolerance, now);
         bounces_ += std::max(result.bounces, 1);
         settled_ = result.settled;
+        residuals_.push_back(static_cast<float>(result.residual));
     }
     settled_ = settled_ || bounces_ >= most;
     return true;

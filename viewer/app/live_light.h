@@ -26,6 +26,8 @@ class LiveLight {
     const LightField& field() const { return *field_; }
     bool settled() const { return settled_; }
     std::string status() const;  ///< for people
+    /// Mean relative change of the light by each step since the lamps changed.
+    const std::vector<float>& residuals() const { return residuals_; }
 
   private:
     const Context& context_;
@@ -36,6 +38,7 @@ class LiveLight {
     std::unique_ptr<LinkWorker> worker_;
     std::vector<std::uint32_t> links_;  // what octree_.links shows once the worker is done
     std::unique_ptr<LightField> field_;
+    std::vector<float> residuals_;
     bool settled_ = false;
     int bounces_ = 0;  // since the lights last changed
 };

@@ -107,7 +107,7 @@ Camera sized_camera(const Camera& camera, const Options& options) {
 std::optional<Options> read_options(int argc, char** argv) {
     Options options;
     std::string size, tonemap = kToneCurveNames[static_cast<int>(options.display.curve)];
-    std::string interpolation = "tricubic";
+    std::string interpolation = "tricubic", controls = "fly";
     int bounces = 0;
     std::uint32_t light_depth = 0;
     double exposure = 0.0;
@@ -127,6 +127,12 @@ std::optional<Options> read_options(int argc, char** argv) {
     app.add_flag("--headless", options.headless, "write a file and show nothing; needs no display");
     app.add_option("-o,--output", options.output,
                    "frame.exr, frame.png, the probes' CSV, or a flight's video or folder");
+    auto* controls_option =
+        app.add_option("--controls", controls,
+                       "what the mouse does in the window: fly, or as in potree, aven or cad "
+                       "(left picks, middle turns)")
+            ->check(CLI::IsMember({"fly", "potree", "aven", "cad"}))
+            ->capture_default_str();
     app.add_option("--probes", options.probes, "measure irradiance at this CSV's points");
     app.add_option("--path", options.path,
                    "fly along this path.json: into a video (.mp4, .m4v, .mov, .mkv; needs ffmpeg), "
@@ -218,6 +224,10 @@ std::optional<Options> read_options(int argc, char** argv) {
     if (wetness_option->count() == 0 && specular == "on") wetness = 1.0;
     options.frame.wetness = static_cast<float>(wetness);
     options.light.tricubic = interpolation == "tricubic";
+    if (options.headless && controls_option->count() > 0) fail("--controls is for the window");
+    for (std::size_t i = 0; i < std::size(kControlNames); ++i) {
+        if (controls == kControlNames[i]) options.controls = static_cast<ControlScheme>(i);
+    }
     for (std::uint32_t i = 0; i < std::size(kToneCurveNames); ++i) {
         if (tonemap == kToneCurveNames[i]) options.display.curve = static_cast<ToneCurve>(i);
     }

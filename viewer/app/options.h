@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "viewer/app/controls.h"
 #include "viewer/frame/display.h"
 #include "viewer/frame/frame.h"
 #include "viewer/light/settings.h"
@@ -29,6 +30,7 @@ struct Options {
     std::optional<int> frames;         ///< a window closes after so many, a benchmark draws them
     std::filesystem::path stats;       ///< headless only: what a benchmark writes
     bool headless = false;
+    ControlScheme controls = ControlScheme::kFly;  ///< a window's
 
     LightSettings light;
     std::optional<std::uint32_t> light_depth;  ///< empty: the file's
