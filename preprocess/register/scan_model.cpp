@@ -19,8 +19,9 @@ constexpr std::size_t kPlaneNeighbours = 13;  // the sample itself and 12 around
 constexpr std::size_t kFewestNeighbours = 6;
 constexpr float kPlaneRadius = 3.0f;  // in spacings
 
-constexpr double kFineSpacing = 0.5;     // in coarse spacings
-constexpr double kFinestShare = 1e-5;    // of the largest scan: least voxel size
+constexpr double kFineSpacing = 0.5;   // in coarse spacings
+constexpr double kFinestShare = 1e-5;  // of the largest scan: least voxel size
+constexpr double kPointsPerSample = 2.5;
 constexpr std::size_t kSubset = 100000;  // points that the voxel size is chosen by
 
 struct Plane {
@@ -164,11 +165,15 @@ double choose_voxel_size(std::span<const Scan> scans, bool upright, std::size_t 
             high = component_max(high, p);
         }
         extents[s] = static_cast<double>(length(high - low));
+        // A sample needs points around it: sparse scans get fewer samples rather than bare ones.
+        const std::size_t wanted = std::min(
+            samples,
+            static_cast<std::size_t>(static_cast<double>(subset.size()) / kPointsPerSample));
         double most = std::max(extents[s], 1e-6) / 2.0;
         double least = most / 65536.0;
         for (int round = 0; round < 18; ++round) {
             const double middle = std::sqrt(least * most);
-            (thin_indices(subset, middle).size() > samples ? least : most) = middle;
+            (thin_indices(subset, middle).size() > wanted ? least : most) = middle;
         }
         sizes[s] = most;
     });

@@ -63,7 +63,8 @@ Eigen::Matrix3d main_axes(std::span<const Vec3f> positions, bool upright);
 /// The model of a (cleaned) scan at the voxel size `spacing` metres, without keypoints.
 ScanModel model_scan(const Scan& scan, double spacing, bool upright);
 
-/// A voxel size, m, that leaves about `samples` coarse samples of the median scan.
+/// A voxel size, m, that leaves about `samples` coarse samples of the median scan, fewer where it
+/// has not 2.5 points for each.
 double choose_voxel_size(std::span<const Scan> scans, bool upright, std::size_t samples = 9000);
 
 }  // namespace glowworm
