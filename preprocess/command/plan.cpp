@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Scans without poses: how much farther each one reaches than those before it.
-constexpr double kReachPerScan = 0.1;
+constexpr double kReachPerScan = 0.02;
 
 std::uint64_t memory_of(const Prediction& p, Reach reach) {
     switch (reach) {

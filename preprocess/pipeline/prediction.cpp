@@ -8,8 +8,8 @@ namespace glowworm {
 namespace {
 
 // Bytes.
-constexpr double kProgram = 42e6;     // libraries, tables
-constexpr double kReadPoint = 105.0;  // a point of any scan until they are merged
+constexpr double kProgram = 42e6;    // libraries, tables
+constexpr double kReadPoint = 75.0;  // a point of any scan until they are merged
 constexpr double kSurfacePoint = 200.0;
 constexpr double kBuildSurfel = 70.0;
 constexpr double kBuildLeaf = 560.0;
@@ -17,25 +17,27 @@ constexpr double kLinkedLeaf = 160.0;  // the octree itself while its links are 
 constexpr double kLink = 4.0;
 constexpr double kFileSurfel = 20.0;
 constexpr double kFileLeaf = 118.0;
-constexpr double kKeptPoint = 20.0;   // a point in a scan's checkpoint
-constexpr double kKeptSurfel = 90.0;  // a point in the cloud's and in the surfels' checkpoint
+constexpr double kKeptPoint = 15.0;   // a point in a scan's checkpoint
+constexpr double kKeptSurfel = 83.0;  // a point in the cloud's and in the surfels' checkpoint
 
 // Processor seconds.
-constexpr double kReadTime = 3e-6;       // a point: read and clean
-constexpr double kScanTime = 0.3;        // a scan's features
-constexpr double kPairTime = 0.55;       // a pair of scans, tried and refined
+constexpr double kReadTime = 2.2e-6;     // a point: read and clean
+constexpr double kScanTime = 0.2;        // a scan's features
+constexpr double kPairTime = 0.15;       // a pair of scans, tried and refined
 constexpr double kMergeTime = 1.5e-6;    // a point
-constexpr double kSurfaceTime = 2.5e-6;  // a point
+constexpr double kSurfaceTime = 2.1e-6;  // a point
 constexpr double kLeafTime = 5e-6;
 constexpr double kLinkTime = 1.35e-6;
 constexpr double kParallel = 0.9;  // share of the cores that is at work
 
-// Shares and ratios.
-constexpr double kKeptShare = 0.83;        // of the points, after thinning overlaps
+// Shares and ratios. n scans show less than n times what one shows, since they overlap.
+constexpr double kKeptShare = 0.87;  // of one scan's points; of n scans' times n^kKeptPower
+constexpr double kKeptPower = -0.08;
 constexpr double kSpacingOfNearest = 2.1;  // spacing of surfels over distance to the nearest
+constexpr double kUneven = 2.9;            // mean area of one scan's surfels over the median one's
+constexpr double kAreaPower = 0.25;        // n scans have n^kAreaPower times the area of one
 constexpr double kLeavesPerFace = 1.4;
-constexpr double kUnevenAlone = 2.6;  // mean area of a surfel over the median one's
-constexpr double kUnevenTogether = 1.5;
+constexpr double kLeavesPower = -0.4;  // leaves per surfel of n scans, spacing unknown
 constexpr std::size_t kPairsPerScan = 8;
 constexpr double kSamplesPerFace = 3.5;
 constexpr std::uint32_t kDeepest = 11;
@@ -65,14 +67,15 @@ std::uint64_t Prediction::memory() const {
 Prediction predict(const Workload& work, int threads) {
     Prediction p;
     const double points = static_cast<double>(work.points);
-    const double surfels = points * kKeptShare;
-    double leaves = surfels;  // where nothing else is known: each point its own
+    const double scans = static_cast<double>(work.scans);
+    const double surfels = points * kKeptShare * std::pow(scans, kKeptPower);
+    double leaves = surfels * std::pow(scans, kLeavesPower);
     if (work.spacing > 0.0 && work.extent > 0.0) {
         predict_depth(work, p);
-        const double uneven = work.scans > 1 ? kUnevenTogether : kUnevenAlone;
         const double spacing = kSpacingOfNearest * work.spacing;
-        leaves =
-            kLeavesPerFace * surfels * uneven * spacing * spacing / (p.voxel_size * p.voxel_size);
+        const double area =
+            points / scans * kKeptShare * kUneven * spacing * spacing * std::pow(scans, kAreaPower);
+        leaves = kLeavesPerFace * area / (p.voxel_size * p.voxel_size);
     }
     const double links = leaves * work.links;
     const double pairs =
@@ -90,7 +93,6 @@ Prediction predict(const Workload& work, int threads) {
     p.output_bytes = bytes(octree + kLink * links);
     p.work_bytes = bytes(kKeptPoint * points + kKeptSurfel * surfels + octree);
 
-    const double scans = static_cast<double>(work.scans);
     const double seconds = points * (kReadTime + kMergeTime) + surfels * kSurfaceTime +
                            scans * kScanTime + pairs * kPairTime + leaves * kLeafTime +
                            links * kLinkTime;
