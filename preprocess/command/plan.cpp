@@ -55,17 +55,17 @@ bool same_disk(const fs::path& a, const fs::path& b) {
            first.st_dev == second.st_dev;
 }
 
-/// Longest side of the box round all scans: where their poses put them, else what the largest one
-/// spans and some more for each other.
+/// Longest side of the box round all scans: where their poses put them, else what one of them spans
+/// in the mean and some more for each other.
 double extent_of(std::span<const ScanDescription> scans) {
     constexpr double kFar = std::numeric_limits<double>::infinity();
     Eigen::AlignedBox3d box;
-    double largest = 0.0;
+    double sides = 0.0;
     bool all_posed = true;
     for (const ScanDescription& scan : scans) {
         const Vec3d low = scan.facts.low, high = scan.facts.high;
         const Vec3d size = high - low;
-        largest = std::max({largest, size.x, size.y, size.z});
+        sides += std::max({size.x, size.y, size.z});
         all_posed = all_posed && scan.header.T_world_scan.has_value();
         for (int corner = 0; corner < 8 && all_posed; ++corner) {
             box.extend(*scan.header.T_world_scan * Eigen::Vector3d(corner & 1 ? high.x : low.x,
@@ -75,7 +75,8 @@ double extent_of(std::span<const ScanDescription> scans) {
     }
     const double posed = all_posed && !box.isEmpty() ? box.sizes().maxCoeff() : kFar;
     if (posed < kFar) return posed;
-    return largest * (1.0 + kReachPerScan * static_cast<double>(scans.size() - 1));
+    const auto count = static_cast<double>(scans.size());
+    return sides / count * (1.0 + kReachPerScan * (count - 1.0));
 }
 
 /// Median over the scans of their points' distances to the nearest one.
