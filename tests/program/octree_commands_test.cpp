@@ -33,7 +33,7 @@ void write_surfels(const std::filesystem::path& path, std::size_t count) {
         const double r = std::sqrt(1.0 - z * z), angle = 2.399963 * static_cast<double>(i);
         const double x = r * std::cos(angle), y = r * std::sin(angle);
         write({2 * x, 2 * y, 2 * z, -x, -y, -z, radius});
-        if (i == 50) {
+        if (i == count / 2) {
             write({NAN, 0, 0, 0, 0, 1, radius});
             write({0, 0, 0, 0, 0, 0, radius});
         }
