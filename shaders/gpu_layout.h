@@ -19,7 +19,8 @@ struct vec4 {
 #define BINDING_INDIRECT 3   // vec4 per lobe: irradiance reflected at least once, W/m2
 #define BINDING_RADIANCE 4   // vec4 per lobe: outgoing radiance, W/sr/m2
 #define BINDING_LIGHTS 5
-#define BINDING_LINKS 6
+#define BINDING_LINKS 6      // while links gather: uint per lobe and ray
+#define BINDING_LIGHT 6      // else: LobeLight per lobe
 #define BINDING_SIDES 7      // uvec2 per node and side: opacity and radiance for cones
 #define BINDING_SCRATCH_A 8
 #define BINDING_SCRATCH_B 9
@@ -50,6 +51,13 @@ struct LightGrid {
     float reach;          // leaf edges
     float cube_edge;      // m
     uint links_per_lobe;
+};
+
+// Reflected light at a lobe, and how it changes as the surface turns (light_lookup.glsl).
+struct LobeLight {
+    vec4 irradiance;   // rgb: reflected at least once, W/m2, on the lobe's plane
+    vec4 turn[3];      // per channel: xyz: what tilting the normal adds per unit, along the plane;
+                       // w: the irradiance that the lobe's own surroundings give, pi times radiance
 };
 
 #define LIGHT_FLAG_TRICUBIC 1u

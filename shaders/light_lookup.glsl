@@ -1,11 +1,13 @@
 #ifndef LIGHT_LOOKUP_GLSL
 #define LIGHT_LOOKUP_GLSL
 // Light between the lobes: sums over the leaves round a point, divided by the weights of those that
-// are there, so that empty cells neither darken nor brighten. Lobes count by (n . n_lobe)^4 and
-// those facing away not at all: the two sides of a thin wall stay apart.
+// are there, so that empty cells neither darken nor brighten. Lobes count by (n . n_lobe)^8 and less
+// off the point's tangent plane, those facing away not at all: the two sides of a thin wall stay
+// apart. What a lobe has is turned to the point's normal first: rock's irradiance changes more with
+// the normal than with the place.
 #include "octree.glsl"
 
-layout(std430, binding = BINDING_INDIRECT) readonly buffer Indirect { vec4 indirect_field[]; };
+layout(std430, binding = BINDING_LIGHT) readonly buffer LobeLights { LobeLight lobe_lights[]; };
 
 const int kLookupStack = 96;   // 7 siblings wait on each level at most, 14 levels
 
@@ -18,22 +20,51 @@ float lookup_weight(float d, bool tricubic) {
     return d >= 1.0 ? r * r * r / 6.0 : (4.0 - 6.0 * d * d + 3.0 * d * d * d) / 6.0;
 }
 
-// Irradiance that was reflected at least once, W/m2, at a surface point.
-vec3 indirect_irradiance(vec3 position, vec3 normal) {
-    bool tricubic = (grid.flags & LIGHT_FLAG_TRICUBIC) != 0u;
+float facing_weight(float cosine) {
+    float c = max(cosine, 0.0);
+    c *= c;
+    c *= c;
+    return c * c;
+}
+
+// `height` over the point's tangent plane, m.
+float plane_weight(float height) {
+    float h = height / grid.voxel_size;
+    return exp(-4.0 * min(h * h, 16.0));
+}
+
+// Irradiance of lobe i if it faced along `normal`. Its hemisphere loses the share (1 - cosine) / 2
+// to the rock round it and sees that instead; the rest follows the gradient.
+vec3 turned_irradiance(uint i, vec3 lobe_normal, vec3 normal) {
+    float cosine = dot(normal, lobe_normal);
+    vec3 tilt = normal - cosine * lobe_normal;
+    vec3 sum = 0.5 * (1.0 + cosine) * lobe_lights[i].irradiance.rgb;
+    for (int c = 0; c < 3; ++c) {
+        vec4 turn = lobe_lights[i].turn[c];
+        sum[c] += dot(tilt, turn.xyz) + 0.5 * (1.0 - cosine) * turn.w;
+    }
+    return max(sum, vec3(0.0));
+}
+
+// Reflected light at a surface point from the leaves whose centres lie within 2 * width leaf edges
+// along every axis (1 without `tricubic`). The w of `irradiance` is the sum of weights: zero where
+// there is no surface near.
+LobeLight light_around(vec3 position, vec3 normal, float width, bool tricubic) {
+    bool turning = (grid.flags & LIGHT_FLAG_FAITHFUL) == 0u;
     int depth = int(grid.depth);
     vec3 at = (position - cube_min()) / grid.voxel_size - 0.5;   // leaf centres at whole numbers
-    int reach = tricubic ? 2 : 1;
-    ivec3 low = ivec3(floor(at)) - (reach - 1);
-    ivec3 high = low + 2 * reach - 1;
+    float reach = (tricubic ? 2.0 : 1.0) * width;
+    ivec3 low = ivec3(ceil(at - reach));
+    ivec3 high = ivec3(floor(at + reach));
 
     uint stack_node[kLookupStack];
     uvec2 stack_cell[kLookupStack];   // x: 16 bits x, 16 bits y; y: 16 bits z, 16 bits level
     int top = 1;
     stack_node[0] = 0u;
     stack_cell[0] = uvec2(0u);
-    vec3 sum = vec3(0.0);
-    float weights = 0.0;
+    LobeLight light;
+    light.irradiance = vec4(0.0);
+    light.turn = vec4[3](vec4(0.0), vec4(0.0), vec4(0.0));
     while (top > 0) {
         --top;
         Node node = nodes[stack_node[top]];
@@ -41,15 +72,18 @@ vec3 indirect_irradiance(vec3 position, vec3 normal) {
         ivec3 cell = ivec3(place.x & 0xffffu, place.x >> 16, place.y & 0xffffu);
         int level = int(place.y >> 16);
         if (level == depth) {
-            vec3 d = vec3(cell) - at;
+            vec3 d = (vec3(cell) - at) / width;
             float w = lookup_weight(d.x, tricubic) * lookup_weight(d.y, tricubic) *
                       lookup_weight(d.z, tricubic);
             for (uint i = node.first; w > 0.0 && i < node.first + lobes_of_leaf(node.mask); ++i) {
-                float facing = max(dot(normal, lobe_normal(i)), 0.0);
-                facing *= facing;
-                float weight = w * facing * facing;
-                sum += weight * indirect_field[i].rgb;
-                weights += weight;
+                vec3 facing = lobe_normal(i);
+                float weight = w * facing_weight(dot(normal, facing)) *
+                               plane_weight(dot(normal, lobe_position(i) - position));
+                if (weight <= 0.0) continue;
+                vec3 irradiance = turning ? turned_irradiance(i, facing, normal)
+                                          : lobe_lights[i].irradiance.rgb;
+                light.irradiance += weight * vec4(irradiance, 1.0);
+                for (int c = 0; c < 3; ++c) light.turn[c] += weight * lobe_lights[i].turn[c];
             }
             continue;
         }
@@ -70,6 +104,22 @@ vec3 indirect_irradiance(vec3 position, vec3 normal) {
             ++child;
         }
     }
-    return weights > 0.0 ? sum / weights : vec3(0.0);
+    float weights = light.irradiance.w;
+    if (weights > 0.0) {
+        light.irradiance.rgb /= weights;
+        for (int c = 0; c < 3; ++c) light.turn[c] /= weights;
+    }
+    return light;
+}
+
+// rgb: irradiance that was reflected at least once, W/m2, at a surface point; a: 0 where there is no
+// surface near that faces its way, else positive.
+vec4 indirect_light(vec3 position, vec3 normal) {
+    bool tricubic = (grid.flags & LIGHT_FLAG_TRICUBIC) != 0u;
+    return light_around(position, normal, 1.0, tricubic).irradiance;
+}
+
+vec3 indirect_irradiance(vec3 position, vec3 normal) {
+    return indirect_light(position, normal).rgb;
 }
 #endif

@@ -25,6 +25,8 @@ layout(std430, binding = BINDING_NODES) readonly buffer Nodes { Node nodes[]; };
 layout(std430, binding = BINDING_LOBES) readonly buffer Lobes { Lobe lobes[]; };
 layout(std140, binding = BINDING_LIGHT_GRID) uniform LightGridBlock { LightGrid grid; };
 
+const float kMaxAlbedo = 0.99;   // above, light in a closed cave would not settle
+
 vec3 cube_min() { return vec3(grid.cube_min_x, grid.cube_min_y, grid.cube_min_z); }
 
 vec3 lobe_position(uint i) {
@@ -42,6 +44,14 @@ vec3 lobe_normal(uint i) {
 
 vec3 lobe_albedo(uint i) {
     return vec3(lobes[i].albedo[0], lobes[i].albedo[1], lobes[i].albedo[2]);
+}
+
+// A lobe's plane stands for rough rock, of 1 / |ndf| times its area, that lights itself: of what
+// enters through the plane, only this share leaves again (a cavity of that opening).
+vec3 lobe_reflectance(uint i) {
+    vec3 albedo = clamp(lobe_albedo(i), vec3(0.0), vec3(kMaxAlbedo));
+    float opening = min(length(lobe_ndf(i)), 1.0);
+    return albedo * opening / (1.0 - albedo * (1.0 - opening));
 }
 
 vec3 unpack_bytes(uint bits) {

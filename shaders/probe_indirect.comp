@@ -14,6 +14,5 @@ void main() {
     uint i = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u +
              gl_LocalInvocationID.x;
     if (i >= probe_count) return;
-    measured[2u * i + 1u] =
-        vec4(indirect_irradiance(probes[2u * i].xyz, probes[2u * i + 1u].xyz), 0.0);
+    measured[2u * i + 1u] = indirect_light(probes[2u * i].xyz, probes[2u * i + 1u].xyz);
 }

@@ -10,7 +10,6 @@ layout(std430, binding = BINDING_INDIRECT) readonly buffer Indirect { vec4 indir
 layout(std430, binding = BINDING_RADIANCE) writeonly buffer Radiance { vec4 radiance_field[]; };
 layout(std430, binding = BINDING_SCRATCH_A) readonly buffer Emitted { vec4 emitted[]; };
 
-const float kMaxAlbedo = 0.99;   // above, light in a closed cave would not settle
 const float kInversePi = 0.31830988618;
 
 void main() {
@@ -18,6 +17,8 @@ void main() {
              gl_LocalInvocationID.x;
     if (i >= grid.lobe_count) return;
     vec3 arriving = direct_field[i].rgb + indirect_field[i].rgb;
-    vec3 albedo = clamp(lobe_albedo(i), vec3(0.0), vec3(kMaxAlbedo));
-    radiance_field[i] = vec4(emitted[i].rgb + albedo * kInversePi * arriving, 0.0);
+    bool faithful = (grid.flags & LIGHT_FLAG_FAITHFUL) != 0u;
+    vec3 reflected = faithful ? clamp(lobe_albedo(i), vec3(0.0), vec3(kMaxAlbedo))
+                              : lobe_reflectance(i);
+    radiance_field[i] = vec4(emitted[i].rgb + reflected * kInversePi * arriving, 0.0);
 }

@@ -53,8 +53,8 @@ bool LiveLight::advance() {
     const int most = most_bounces_.value_or(kBouncesEnough);
     const int now = std::min(kBouncesAtOnce, most - bounces_);
     if (most_bounces_) {
-        field_->iterate(now);
         bounces_ += now;
+        field_->iterate(now, bounces_ >= most);
     } else {
         const Convergence result = field_->converge(kTolerance, now);
         bounces_ += std::max(result.bounces, 1);

@@ -33,10 +33,14 @@ LightField::LightField(const Context& context, const OctreeView& octree, const S
       indirect_("indirect irradiance", field_bytes(octree)),
       radiance_("outgoing radiance", field_bytes(octree)),
       gathered_("gathered irradiance", field_bytes(octree)),
+      lit_("light of lobes", octree.lobes.size() * sizeof(gpu::LobeLight)),
       inject_({"inject.comp"}),
       radiate_({"radiate.comp"}),
+      light_gradient_({"light_gradient.comp"}),
+      smooth_light_({"smooth_light.comp"}),
       probe_direct_({"probe_direct.comp"}),
       probe_indirect_({"probe_indirect.comp"}) {
+    lit_.clear();
     set_scene(scene);
 }
 
@@ -73,6 +77,7 @@ void LightField::bind() const {
     indirect_.bind_storage(BINDING_INDIRECT);
     radiance_.bind_storage(BINDING_RADIANCE);
     lights_buffer_.bind_storage(BINDING_LIGHTS);
+    lit_.bind_storage(BINDING_LIGHT);
 }
 
 void LightField::show_to_cones() const {
@@ -95,6 +100,7 @@ void LightField::prepare(const Progress& progress) {
 
 void LightField::forget_indirect() {
     indirect_.clear();
+    lit_.clear();
 }
 
 void LightField::gather() {
@@ -110,14 +116,40 @@ void LightField::gather() {
     }
 }
 
-void LightField::iterate(int bounces) {
+void LightField::publish(bool smooth) {
+    bind();
+    lit_.bind_storage(BINDING_SCRATCH_B);
+    const std::size_t lobes = octree_.lobes.size();
+    if (cones_) {  // no rays, no noise
+        set_uniform(light_gradient_, 0, 0u);
+        set_uniform(light_gradient_, 1, static_cast<std::uint32_t>(lobes));
+        set_uniform(light_gradient_, 2, 0u);
+        light_gradient_.dispatch(lobes, kGroup);
+        return;
+    }
+    links_.over_blocks(light_gradient_);
+    bind();
+    if (!smooth) return;
+    Buffer smoothed("light of lobes", lobes * sizeof(gpu::LobeLight));
+    smoothed.bind_storage(BINDING_SCRATCH_B);
+    for (std::size_t first = 0; first < lobes; first += kLobesAtOnce) {
+        const std::size_t last = std::min(lobes, first + kLobesAtOnce);
+        set_uniform(smooth_light_, 0, static_cast<std::uint32_t>(first));
+        set_uniform(smooth_light_, 1, static_cast<std::uint32_t>(last));
+        smooth_light_.dispatch(last - first, kGroup);
+    }
+    lit_ = std::move(smoothed);
+    bind();
+}
+
+void LightField::iterate(int bounces, bool at_rest) {
     if (bounces <= 0 || octree_.lobes.empty()) return;
     prepare();
     for (int i = 0; i < bounces; ++i) {
         gather();
         std::swap(indirect_, gathered_);
     }
-    bind();
+    publish(at_rest);
 }
 
 Convergence LightField::converge(double tolerance, int max_bounces) {
@@ -131,6 +163,7 @@ Convergence LightField::converge(double tolerance, int max_bounces) {
         ++result.bounces;
         result.settled = result.bounces >= kLeastBounces && result.residual < tolerance;
     }
+    publish(result.settled);
     return result;
 }
 

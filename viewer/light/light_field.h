@@ -55,9 +55,11 @@ class LightField {
     void prepare(const Progress& progress = {});
 
     void forget_indirect();  ///< back to direct light only
-    void iterate(int bounces);
+    /// `at_rest`: more will not follow at once, so that smoothing (below) is worth its time.
+    void iterate(int bounces, bool at_rest = true);
     /// Bounces until the light settles (mean relative change below `tolerance`), with Anderson
-    /// acceleration over 3 earlier iterates, safeguarded (light.md, 3.3).
+    /// acceleration over 3 earlier iterates, safeguarded. What has settled is smoothed: the noise
+    /// of each lobe's rays is spread over its neighbours.
     Convergence converge(double tolerance = 1e-4, int max_bounces = 200);
 
     /// Binds what the includes trace.glsl, direct_light.glsl and light_lookup.glsl read.
@@ -80,6 +82,7 @@ class LightField {
   private:
     void inject();
     void gather();  // from the radiance of the current iterate into gathered_
+    void publish(bool smooth);  // what lookups read, from indirect_
 
     const Context& context_;
     OctreeView octree_;
@@ -89,7 +92,8 @@ class LightField {
     std::vector<gpu::Light> lights_;
     Buffer lights_buffer_;
     Buffer emitted_, direct_, indirect_, radiance_, gathered_;  // [lobes] vec4
-    Program inject_, radiate_, probe_direct_, probe_indirect_;
+    Buffer lit_;                                                // [lobes] LobeLight
+    Program inject_, radiate_, light_gradient_, smooth_light_, probe_direct_, probe_indirect_;
     GpuLinks links_;
     std::optional<ConeGather> cones_;
     mutable std::optional<ConeGather> mirrored_;  // for show_to_cones, made when first asked for

@@ -73,12 +73,16 @@ void GpuLinks::trace(const Progress& progress) {
 }
 
 void GpuLinks::gather() const {
-    set_uniform(bounce_, 2, rays_);
+    over_blocks(bounce_);
+}
+
+void GpuLinks::over_blocks(const Program& pass) const {
+    set_uniform(pass, 2, rays_);
     for (const Block& block : blocks_) {
         block.links.bind_storage(BINDING_LINKS);
-        set_uniform(bounce_, 0, block.first_lobe);
-        set_uniform(bounce_, 1, block.last_lobe);
-        bounce_.dispatch(block.last_lobe - block.first_lobe, kGroup);
+        set_uniform(pass, 0, block.first_lobe);
+        set_uniform(pass, 1, block.last_lobe);
+        pass.dispatch(block.last_lobe - block.first_lobe, kGroup);
     }
 }
 

@@ -29,6 +29,9 @@ class GpuLinks {
     /// gathered = pi times the mean radiance over each lobe's links. Radiance is bound at
     /// BINDING_RADIANCE, what is gathered at BINDING_SCRATCH_B.
     void gather() const;
+    /// Runs `pass` over the blocks with each one's links bound; uniforms 0, 1 and 2 are its first
+    /// lobe, its last and the rays.
+    void over_blocks(const Program& pass) const;
 
     /// [lobes x rays], for comparison with the CPU's.
     std::vector<std::uint32_t> read() const;
