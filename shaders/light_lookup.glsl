@@ -53,6 +53,7 @@ LobeLight light_around(vec3 position, vec3 normal, float width, bool tricubic) {
     bool turning = (grid.flags & LIGHT_FLAG_FAITHFUL) == 0u;
     int depth = int(grid.depth);
     vec3 at = (position - cube_min()) / grid.voxel_size - 0.5;   // leaf centres at whole numbers
+    at = clamp(at, vec3(-8.0), vec3(float(1 << depth) + 8.0));   // outside is outside, and an int
     float reach = (tricubic ? 2.0 : 1.0) * width;
     ivec3 low = ivec3(ceil(at - reach));
     ivec3 high = ivec3(floor(at + reach));

@@ -58,6 +58,7 @@ TEST(Probes, AreRefusedWithTheLineThatIsWrong) {
         {"", "is empty", ExitCode::kDegenerate},
         {"px,py,pz,nx,ny,nz\n", "has no probes", ExitCode::kDegenerate},
         {"px,py,pz,nx,ny\n1,2,3,4,5\n", "no column 'nz'", ExitCode::kUnreadable},
+        {"px,py,pz,nx,ny,nz,px\n1,2,3,0,0,1,9\n", "two columns 'px'", ExitCode::kUnreadable},
         {"px,py,pz,nx,ny,nz\n1,2,3,0,0,1\n1,2\n", "line 3 has 2 cells", ExitCode::kUnreadable},
         {"px,py,pz,nx,ny,nz\n1,2,nan,0,0,1\n", "line 2: 'nan'", ExitCode::kUnreadable},
         {"px,py,pz,nx,ny,nz\n1,2,3m,0,0,1\n", "'3m'", ExitCode::kUnreadable},

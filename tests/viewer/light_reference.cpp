@@ -109,62 +109,109 @@ Vec3d direct_irradiance(const OctreeView& octree, const TraceSettings& trace, co
     return sum;
 }
 
-std::vector<Vec3d> bounce(const OctreeView& octree, std::span<const std::uint32_t> links,
-                          std::uint32_t rays, std::span<const Vec3d> direct, int bounces) {
-    std::vector<Vec3d> indirect(octree.lobes.size()), radiance(octree.lobes.size());
+std::vector<LocalLight> bounce(const OctreeView& octree, std::span<const std::uint32_t> links,
+                               std::uint32_t rays, std::span<const Vec3d> direct, int bounces) {
+    std::vector<LocalLight> lights(octree.lobes.size());
+    std::vector<Vec3d> radiance(octree.lobes.size());
     for (int k = 0; k < bounces; ++k) {
         for (std::size_t i = 0; i < radiance.size(); ++i) {
+            const Lobe& lobe = octree.lobes[i];
+            const double opening =
+                std::min(1.0f, length(Vec3f{lobe.ndf[0], lobe.ndf[1], lobe.ndf[2]}));
             for (int c = 0; c < 3; ++c) {
-                const double albedo =
-                    std::clamp<double>(octree.lobes[i].albedo[c], 0.0, kMaxAlbedo);
-                radiance[i][c] = albedo / std::numbers::pi * (direct[i][c] + indirect[i][c]);
+                const double albedo = std::clamp<double>(lobe.albedo[c], 0.0, kMaxAlbedo);
+                radiance[i][c] = albedo * opening / (1.0 - albedo * (1.0 - opening)) /
+                                 std::numbers::pi * (direct[i][c] + lights[i].irradiance[c]);
             }
         }
-        tbb::parallel_for(std::size_t{0}, indirect.size(), [&](std::size_t i) {
-            Vec3d sum;
+        tbb::parallel_for(std::size_t{0}, lights.size(), [&](std::size_t i) {
+            const Vec3f normal = normal_of(octree.lobes[i]);
+            LocalLight sum;
             int valid = 0;
             for (std::uint32_t r = 0; r < rays; ++r) {
                 const std::uint32_t link = links[i * rays + r];
-                if (link < kBuried) sum += radiance[link];
                 valid += link != kBuried;
+                if (link >= kBuried) continue;
+                const Vec3f way = link_direction(static_cast<std::uint32_t>(i), r, normal);
+                const double cosine = dot(way, normal);
+                const Vec3d tangent = vec3_cast<double>(way) - vec3_cast<double>(normal) * cosine;
+                sum.irradiance += radiance[link];
+                for (int c = 0; c < 3; ++c)
+                    sum.turn[c] += tangent * (radiance[link][c] / std::max(cosine, 0.1));
             }
-            indirect[i] = sum * (std::numbers::pi / std::max(valid, 1));
+            const double share = std::numbers::pi / std::max(valid, 1);
+            lights[i].irradiance = sum.irradiance * share;
+            for (int c = 0; c < 3; ++c)
+                lights[i].turn[c] = sum.turn[c] * share;
+            lights[i].around = radiance[i] * std::numbers::pi;
         });
     }
-    return indirect;
+    return lights;
 }
 
-Vec3d look_up(const OctreeView& octree, std::span<const Vec3d> field, const Vec3f& position,
-              const Vec3f& normal, bool tricubic) {
+LocalLight look_up(const OctreeView& octree, std::span<const LocalLight> lights,
+                   const Vec3f& position, const Vec3f& normal, bool tricubic, double width) {
     double at[3];
-    int low[3];
-    const int reach = tricubic ? 2 : 1;
+    int low[3], high[3];
+    const double reach = (tricubic ? 2.0 : 1.0) * width;
     for (int a = 0; a < 3; ++a) {
         at[a] = static_cast<double>((position[a] - octree.grid.cube_min[a]) /
                                     octree.grid.voxel_size()) -
                 0.5;
-        low[a] = static_cast<int>(std::floor(at[a])) - (reach - 1);
+        low[a] = static_cast<int>(std::ceil(at[a] - reach));
+        high[a] = static_cast<int>(std::floor(at[a] + reach));
     }
-    Vec3d sum;
+    LocalLight sum;
     double weights = 0.0;
-    for (int z = low[2]; z < low[2] + 2 * reach; ++z) {
-        for (int y = low[1]; y < low[1] + 2 * reach; ++y) {
-            for (int x = low[0]; x < low[0] + 2 * reach; ++x) {
+    const Vec3d n = vec3_cast<double>(normal);
+    for (int z = low[2]; z <= high[2]; ++z) {
+        for (int y = low[1]; y <= high[1]; ++y) {
+            for (int x = low[0]; x <= high[0]; ++x) {
                 const Node* leaf = find_leaf(octree, x, y, z);
                 if (leaf == nullptr) continue;
-                const double w = spline_weight(x - at[0], tricubic) *
-                                 spline_weight(y - at[1], tricubic) *
-                                 spline_weight(z - at[2], tricubic);
+                const double w = spline_weight((x - at[0]) / width, tricubic) *
+                                 spline_weight((y - at[1]) / width, tricubic) *
+                                 spline_weight((z - at[2]) / width, tricubic);
                 for (std::uint32_t i = leaf->first; i < leaf->first + (leaf->mask >> 8 & 3u); ++i) {
-                    const double facing = std::max(0.0f, dot(normal, normal_of(octree.lobes[i])));
-                    const double weight = w * facing * facing * facing * facing;
-                    sum += field[i] * weight;
+                    const Lobe& lobe = octree.lobes[i];
+                    const Vec3d m = vec3_cast<double>(normal_of(lobe));
+                    const double cosine = dot(n, m);
+                    if (cosine <= 0.0) continue;
+                    const Vec3f apart =
+                        Vec3f{lobe.position[0], lobe.position[1], lobe.position[2]} - position;
+                    const double height = dot(apart, normal) / octree.grid.voxel_size();
+                    const double weight = w * std::pow(cosine, 8.0) *
+                                          std::exp(-4.0 * std::min(height * height, 16.0));
+                    const Vec3d tilt = n - m * cosine;
+                    for (int c = 0; c < 3; ++c) {
+                        const double turned = 0.5 * (1.0 + cosine) * lights[i].irradiance[c] +
+                                              dot(tilt, lights[i].turn[c]) +
+                                              0.5 * (1.0 - cosine) * lights[i].around[c];
+                        sum.irradiance[c] += weight * std::max(turned, 0.0);
+                        sum.turn[c] += lights[i].turn[c] * weight;
+                    }
                     weights += weight;
                 }
             }
         }
     }
-    return weights > 0.0 ? sum / weights : Vec3d{};
+    if (weights <= 0.0) return {};
+    sum.irradiance = sum.irradiance / weights;
+    for (Vec3d& turn : sum.turn)
+        turn = turn / weights;
+    return sum;
+}
+
+std::vector<LocalLight> smooth(const OctreeView& octree, std::span<const LocalLight> lights) {
+    std::vector<LocalLight> smoothed(lights.size());
+    tbb::parallel_for(std::size_t{0}, lights.size(), [&](std::size_t i) {
+        const Lobe& lobe = octree.lobes[i];
+        smoothed[i] =
+            look_up(octree, lights, {lobe.position[0], lobe.position[1], lobe.position[2]},
+                    normal_of(lobe), true, 2.0);
+        smoothed[i].around = lights[i].around;
+    });
+    return smoothed;
 }
 
 }  // namespace glowworm::testing

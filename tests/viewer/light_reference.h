@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -19,12 +20,22 @@ Vec3d direct_irradiance(const OctreeView& octree, const TraceSettings& trace, co
                         const Vec3f& position, const Vec3f& normal, float offset,
                         int area_samples = 16);
 
-/// [lobes] indirect irradiance after `bounces` products from nothing, W·m⁻².
-std::vector<Vec3d> bounce(const OctreeView& octree, std::span<const std::uint32_t> links,
-                          std::uint32_t rays, std::span<const Vec3d> direct, int bounces);
+/// Reflected light at a lobe, W·m⁻².
+struct LocalLight {
+    Vec3d irradiance;
+    std::array<Vec3d, 3> turn;  ///< per channel, what tilting the normal adds
+    Vec3d around;               ///< pi times the radiance of the rock there
+};
 
-/// The field between the lobes.
-Vec3d look_up(const OctreeView& octree, std::span<const Vec3d> field, const Vec3f& position,
-              const Vec3f& normal, bool tricubic);
+/// [lobes] reflected light after `bounces` products from nothing.
+std::vector<LocalLight> bounce(const OctreeView& octree, std::span<const std::uint32_t> links,
+                               std::uint32_t rays, std::span<const Vec3d> direct, int bounces);
+
+/// [lobes] the same with the noise of rays spread over two leaves.
+std::vector<LocalLight> smooth(const OctreeView& octree, std::span<const LocalLight> lights);
+
+/// Light between the lobes, from `width` times the lookup's reach.
+LocalLight look_up(const OctreeView& octree, std::span<const LocalLight> lights,
+                   const Vec3f& position, const Vec3f& normal, bool tricubic, double width = 1.0);
 
 }  // namespace glowworm::testing

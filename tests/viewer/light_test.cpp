@@ -79,9 +79,9 @@ TEST_P(LightOnSphere, SettlesAtTheFormulaWhereverTheLampStands) {
                   << " bounces\n";
         EXPECT_TRUE(convergence.settled);
         EXPECT_LE(convergence.bounces, 16);
-        EXPECT_LT(std::abs(mean), off_centre > 0.0 ? 3e-3 : 1e-3);
+        EXPECT_LT(std::abs(mean), 1e-3);
         if (off_centre == 0.0) {
-            EXPECT_LT(worst, 5e-3);
+            EXPECT_LT(worst, 3e-3);
         }
     }
     EXPECT_THAT(context.errors(), IsEmpty());
@@ -154,16 +154,18 @@ TEST(Light, TheGpuMeasuresWhatTheFormulasOnTheCpuSay) {
         const std::vector<Lobe> closed = close_patches(octree.view());
         OctreeView view = octree.view();
         view.lobes = closed;
-        std::vector<Vec3d> direct, indirect;
+        std::vector<Vec3d> direct;
         for (const gpu::vec4& e : field.read_direct())
             direct.push_back({e.x, e.y, e.z});
-        indirect = testing::bounce(view, trace_links(octree.view(), {.rays = 16}), 16, direct, 3);
+        const auto indirect = testing::smooth(
+            view, testing::bounce(view, trace_links(octree.view(), {.rays = 16}), 16, direct, 3));
         double worst_direct = 0.0, worst_indirect = 0.0;
         for (std::size_t i = 0; i < probes.size(); ++i) {
             const Vec3f at = vec3_cast<float>(probes[i].position - view.grid.origin);
             const Vec3d d = testing::direct_irradiance(view, {}, scene, at, probes[i].normal,
                                                        0.1f * view.grid.voxel_size());
-            const Vec3d e = testing::look_up(view, indirect, at, probes[i].normal, tricubic);
+            const Vec3d e =
+                testing::look_up(view, indirect, at, probes[i].normal, tricubic).irradiance;
             for (int c = 0; c < 3; ++c) {
                 worst_direct = std::max(worst_direct, std::abs(measured[i].direct[c] - d[c]));
                 worst_indirect =
@@ -176,6 +178,47 @@ TEST(Light, TheGpuMeasuresWhatTheFormulasOnTheCpuSay) {
         EXPECT_LT(worst_indirect, 2e-3);
     }
     EXPECT_THAT(context.errors(), IsEmpty());
+}
+
+TEST(Light, FourHundredLampsAddUpToTheirSum) {
+    const Context context = Context::headless();
+    const Octree octree = at_depth(testing::dogleg(0.1f), 4);
+    const std::vector<Probe> probes = {{{1.0, 0.5, 0.0}, {0.0f, 0.0f, 1.0f}},
+                                       {{2.0, 0.0, 0.5}, {0.0f, 1.0f, 0.0f}}};
+    LightField one(context, octree.view(), lamp_at({0.5, 0.5, 0.5}), {.links = 16});
+    one.iterate(2);
+    Scene many;
+    for (int i = 0; i < 200; ++i) {
+        many.point_lights.push_back({"lamp", {0.5, 0.5, 0.5}, {0.04f, 0.04f, 0.04f}});
+        // Dark ones must not end the sum early either.
+        many.spot_lights.push_back(
+            {"spot", {0.5, 0.5, 0.5}, {1.0, 0.0, 0.0}, 170.0, 0.1, {0.0f, 0.0f, 0.0f}});
+    }
+    LightField sum(context, octree.view(), many, {.links = 16});
+    sum.iterate(2);
+    for (std::size_t i = 0; i < probes.size(); ++i) {
+        const ProbeResult a = one.measure(probes)[i], b = sum.measure(probes)[i];
+        EXPECT_NEAR(b.direct.x / a.direct.x, 0.8, 1e-4);
+        EXPECT_NEAR(b.indirect.x / a.indirect.x, 0.8, 1e-4);
+    }
+}
+
+TEST(Light, ProbesAwayFromEverySurfaceAndBeyondNumbersSaySo) {
+    const Context context = Context::headless();
+    const Octree octree = at_depth(testing::dogleg(0.1f), 4);
+    LightField field(context, octree.view(), lamp_at({0.5, 0.5, 0.5}), {.links = 16});
+    field.iterate(2);
+    const std::vector<Probe> probes = {{{1.0, 0.5, 0.0}, {0.0f, 0.0f, 1.0f}},
+                                       {{1.0, 0.5, 0.0}, {0.0f, 0.0f, -1.0f}},  // into the rock
+                                       {{100.0, 0.5, 0.0}, {0.0f, 0.0f, 1.0f}},
+                                       {{1e300, 0.5, 0.0}, {0.0f, 0.0f, 1.0f}}};
+    const auto measured = field.measure(probes);
+    EXPECT_TRUE(measured[0].on_surface);
+    for (std::size_t i = 1; i < probes.size(); ++i) {
+        EXPECT_FALSE(measured[i].on_surface) << i;
+        EXPECT_EQ(measured[i].indirect.x, 0.0f) << i;
+        EXPECT_TRUE(std::isfinite(measured[i].direct.x)) << i;
+    }
 }
 
 TEST(Light, ABlackCaveAndAnEmptySceneStayBlack) {

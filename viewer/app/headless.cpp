@@ -57,12 +57,20 @@ Json measure_probes(const LightField& light, const Options& options, Console& co
         probes.push_back({point.position, vec3_cast<float>(point.normal)});
     }
     std::vector<Irradiance> measured;
+    std::size_t off_surface = 0;
     for (const ProbeResult& result : light.measure(probes)) {
         measured.push_back({result.direct, result.indirect});
+        off_surface += result.on_surface ? 0 : 1;
     }
     write_whole(options.output, format_probes(table, measured));
+    if (off_surface > 0) {
+        spdlog::warn(
+            "{} of {} probes lie on no surface that faces their way: they read no indirect light; "
+            "check their positions and normals",
+            off_surface, probes.size());
+    }
 
-    Json result{{"probes", measured.size()}};
+    Json result{{"probes", measured.size()}, {"off_surface", off_surface}};
     if (const auto differences = compare_probes(table, measured)) {
         const auto json_of = [](const Difference& d) {
             return Json{{"mean_relative", d.mean}, {"worst_relative", d.worst}};

@@ -139,6 +139,15 @@ ProbeTable read_probes(const std::filesystem::path& path) {
                                     path.string(), kPlaceColumns[i]));
         }
     }
+    for (auto name = header.begin(); name != header.end(); ++name) {
+        const auto named = [&](const char* known) { return *name == known; };
+        if (std::find(name + 1, header.end(), *name) != header.end() &&
+            (std::ranges::any_of(kPlaceColumns, named) ||
+             std::ranges::any_of(kResultColumns, named))) {
+            throw Error(ExitCode::kUnreadable,
+                        fmt::format("'{}' has two columns '{}': keep one", path.string(), *name));
+        }
+    }
     std::vector<bool> keep(header.size(), true);
     for (const std::ptrdiff_t column : truth_columns) {
         if (column >= 0) keep[static_cast<std::size_t>(column)] = false;

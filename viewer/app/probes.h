@@ -31,8 +31,8 @@ struct ProbeTable {
 
 /// Reads a CSV with a header line that has px, py, pz, nx, ny, nz in any order. Columns named like
 /// the results are truth to compare with. Throws Error (kUnreadable) with the line's number for a
-/// missing column, a short row, a number that is not finite or a zero normal; (kDegenerate) for a
-/// file without rows.
+/// missing column or one that is there twice, a short row, a number that is not finite or a zero
+/// normal; (kDegenerate) for a file without rows.
 ProbeTable read_probes(const std::filesystem::path& path);
 
 /// The table with the six columns E_direct_r .. E_indirect_b; `measured` is [n].

@@ -9,6 +9,7 @@ namespace {
 constexpr std::size_t kGroup = 64;
 constexpr std::size_t kLobesAtOnce = 1 << 16;  // a dispatch stays short enough for a display's GPU
 constexpr int kLeastBounces = 2;
+constexpr double kFarthest = 1e7;        // m
 constexpr std::int32_t kProbeRows = 16;  // AREA_SAMPLES of probe_direct.comp
 constexpr std::int32_t kRowsAtOnce = 2;  // direct_light.glsl says why not all
 
@@ -170,7 +171,10 @@ Convergence LightField::converge(double tolerance, int max_bounces) {
 std::vector<ProbeResult> LightField::measure(std::span<const Probe> probes) const {
     std::vector<gpu::vec4> places;
     for (const Probe& probe : probes) {
-        const Vec3f at = vec3_cast<float>(probe.position - octree_.grid.origin);
+        Vec3d relative = probe.position - octree_.grid.origin;
+        for (int a = 0; a < 3; ++a)  // far outside is far outside; infinite would be no number
+            relative[a] = std::clamp(relative[a], -kFarthest, kFarthest);
+        const Vec3f at = vec3_cast<float>(relative);
         places.push_back({at.x, at.y, at.z, 0.0f});
         places.push_back({probe.normal.x, probe.normal.y, probe.normal.z, 0.0f});
     }
@@ -195,7 +199,8 @@ std::vector<ProbeResult> LightField::measure(std::span<const Probe> probes) cons
     const auto values = measured.read<gpu::vec4>(places.size());
     std::vector<ProbeResult> results(probes.size());
     for (std::size_t i = 0; i < results.size(); ++i) {
-        results[i] = {to_vec3(values[2 * i]), to_vec3(values[2 * i + 1])};
+        results[i] = {to_vec3(values[2 * i]), to_vec3(values[2 * i + 1]),
+                      values[2 * i + 1].w > 0.0f};
     }
     return results;
 }

@@ -27,8 +27,9 @@ struct Probe {
 
 /// Irradiance, W·m⁻².
 struct ProbeResult {
-    Vec3f direct;    ///< straight from a light
-    Vec3f indirect;  ///< reflected at least once
+    Vec3f direct;            ///< straight from a light
+    Vec3f indirect;          ///< reflected at least once
+    bool on_surface = true;  ///< false: no surface that faces its way is near, and indirect is 0
 };
 
 /// How an iteration to the fixed point went.
@@ -81,7 +82,7 @@ class LightField {
 
   private:
     void inject();
-    void gather();  // from the radiance of the current iterate into gathered_
+    void gather();              // from the radiance of the current iterate into gathered_
     void publish(bool smooth);  // what lookups read, from indirect_
 
     const Context& context_;
