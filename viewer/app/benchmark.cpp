@@ -37,7 +37,7 @@ Json run_benchmark(const Context& context, const Cave& cave, LightField& light, 
 
     PassTimer warm_up(context.device()), timer(context.device());
     const auto draw = [&](PassTimer& passes) {
-        if (bounces) passes.measure("bounce", [&] { light.iterate(1); });
+        if (bounces) passes.measure("bounce", [&] { light.iterate(1, false); });
         frame.draw(view, light, 1, &passes);
         passes.measure("tone map", [&] {
             display.draw(frame.beauty(), shown, options.display.exposure.value_or(0.0),
