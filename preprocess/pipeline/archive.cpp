@@ -7,6 +7,7 @@ namespace {
 
 constexpr std::string_view kMagic = "glowworm checkpoint 1\n";
 constexpr std::size_t kHashDigits = 32;
+constexpr std::size_t kMostWaiting = 65536;  // bytes
 
 }  // namespace
 
@@ -19,7 +20,17 @@ ArchiveWriter::ArchiveWriter(const std::filesystem::path& path, const std::strin
 void ArchiveWriter::put(const void* data, std::size_t bytes) {
     if (bytes == 0) return;
     hash_.bytes(data, bytes);
-    file_.write(data, bytes);
+    if (waiting_.size() + bytes > kMostWaiting) flush();
+    if (bytes > kMostWaiting) {
+        file_.write(data, bytes);
+    } else {
+        waiting_.append(static_cast<const char*>(data), bytes);
+    }
+}
+
+void ArchiveWriter::flush() {
+    file_.write(waiting_);
+    waiting_.clear();
 }
 
 void ArchiveWriter::operator()(const std::string& text) {
@@ -32,6 +43,7 @@ void ArchiveWriter::operator()(const Eigen::Isometry3d& pose) {
 }
 
 void ArchiveWriter::commit() {
+    flush();
     file_.write(hash_.hex());
     file_.commit();
 }

@@ -48,8 +48,10 @@ class ArchiveWriter {
 
   private:
     void put(const void* data, std::size_t bytes);
+    void flush();
 
     AtomicFile file_;
+    std::string waiting_;  // small values, written together
     Hash hash_;
 };
 
