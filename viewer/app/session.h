@@ -55,6 +55,7 @@ class Session {
     void look_under_cursor();
     void play_path(double seconds);
     std::optional<SurfacePoint> pick(double x, double y);
+    std::optional<SurfacePoint> pick_finely(double x, double y);
     int lamp_at(double x, double y) const;
 
     // session_commands.cpp: what keys and panels ask for

@@ -50,6 +50,7 @@ void Session::save_picture() {
     } catch (const Error& error) {
         state_.message = error.what();
     }
+    drawn_ = {};  // the frame's surfaces are gone
     stale_ = true;
 }
 

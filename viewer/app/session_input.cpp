@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kHandleReach = 10.0;  // screen units round a lamp's handle
 constexpr int kPickReach = 3;          // frame pixels searched round a hole
+constexpr int kFineTile = 9;           // pixels drawn anew round a click, odd
 constexpr double kOffWall = 0.15;      // m: a lamp on a wall hangs so far before it
 constexpr double kMeterSeconds = 0.2;  // between two readings of the light meter
 
@@ -97,8 +98,9 @@ void Session::take_drag() {
 }
 
 void Session::take_click(const Click& click) {
-    const auto point = pick(click.x, click.y);
     if (click.button != MouseButton::kLeft) return;
+    const bool picks = state_.tool != Tool::kNone || click.twice;
+    const auto point = picks ? pick_finely(click.x, click.y) : std::nullopt;
     if (state_.tool != Tool::kNone) {
         if (click.twice && state_.tool == Tool::kMeasure) {
             finish_measuring();
@@ -198,6 +200,23 @@ std::optional<SurfacePoint> Session::pick(double x, double y) {
         }
     }
     return std::nullopt;
+}
+
+/// The same as the whole cloud shows it at the window's own resolution, however coarse the frame
+/// is.
+std::optional<SurfacePoint> Session::pick_finely(double x, double y) {
+    const auto coarse = pick(x, y);
+    const WindowExtent screen = window_.screen();
+    const int left = static_cast<int>(x) - kFineTile / 2, top = static_cast<int>(y) - kFineTile / 2;
+    const View tile =
+        tile_of(view_of_size(screen.width, screen.height), left, top, kFineTile, kFineTile);
+    frame_.draw(tile, light_->field());
+    drawn_ = {};  // the frame's surfaces are gone
+    stale_ = true;
+    constexpr std::size_t kMiddle = kFineTile / 2 * kFineTile + kFineTile / 2;
+    const auto surface = frame_.gbuffer().surfaces().read<gpu::vec4>(1, kMiddle).front();
+    const auto fine = surface_point(tile, surface, x - left, y - top);
+    return fine ? fine : coarse;
 }
 
 /// The lamp whose handle is there, the nearest one; -1 for none.
