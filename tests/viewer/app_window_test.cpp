@@ -37,7 +37,8 @@ nlohmann::json json_of(const std::filesystem::path& path) {
 /// Somebody at a window on a room of 4 x 4 x 3 m, looking north from (2, 0.5, 1.5).
 class Visit {
   public:
-    explicit Visit(const std::vector<std::string>& more, bool own_scene)
+    explicit Visit(const std::vector<std::string>& more, bool own_scene,
+                   const std::string& size = "320x240")
         : desktop_(kWidth, kHeight, folder_.path()) {
         write_octree_file(
             build_octree(testing::closed_room({0, 0, 0}, {4, 4, 3}, 0.05f), {.depth = 5}).view(),
@@ -154,7 +155,7 @@ TEST(Window, MeasuresAKnownDistanceWithinACentimetre) {
 TEST(Window, LightsUpWhereALampIsDroppedAndSavesUndoesAndReloadsTheScene) {
     DESKTOP_OR_SKIP();
     // Direct light at a given exposure: the same scene is the same pixels.
-    Visit visit({"--bounces", "0", "--exposure", "3"}, false);
+    Visit visit({"--bounces", "0", "--exposure", "3"}, false, "160x120");
     ASSERT_TRUE(visit.begin()) << visit.log();
     ASSERT_TRUE(visit.save_picture(1)) << visit.log();
     visit.desktop().key("b");
