@@ -10,6 +10,9 @@
 #define AREA_PHASE 0.5   // where in its cell of the rectangle a sample lies, 0..1 along both edges
 #endif
 
+#ifndef IN_FULL_VIEW
+#define IN_FULL_VIEW false   // whether all of an area light is known to be seen
+#endif
 #ifndef EACH_SAMPLE
 #define EACH_SAMPLE(to_light, irradiance)   // what a pass makes of a sample seen, by unit intensity
 #endif
@@ -54,7 +57,8 @@ vec3 irradiance_from_area(Light light, vec3 position, vec3 normal, float offset,
             float squared = max(dot(to_lamp, to_lamp), 1e-12);
             float cosines = dot(normal, to_lamp) * -dot(light.axis.xyz, to_lamp) / squared;
             if (dot(normal, to_lamp) <= 0.0 || cosines <= 0.0) continue;
-            if (visible_from(position, normal, offset, point, light.tag, light.axis.xyz)) {
+            if (IN_FULL_VIEW ||
+                visible_from(position, normal, offset, point, light.tag, light.axis.xyz)) {
                 EACH_SAMPLE(to_lamp * inversesqrt(squared), cosines / squared * area_of_sample);
                 sum += cosines / squared;
             }

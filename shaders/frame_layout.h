@@ -24,7 +24,11 @@ namespace glowworm::gpu {
 #define BINDING_LUMINANCES (BINDING_FRAME_FIRST + 14)
 #define BINDING_RIMS (BINDING_FRAME_FIRST + 15)
 #define BINDING_PIXEL_SPECULAR (BINDING_FRAME_FIRST + 16)
+#define BINDING_RIM_TILES (BINDING_FRAME_FIRST + 17)
 #define BINDING_VIEW 1
+
+// Pixels along the edge of the squares that say whether a rim lies in them.
+#define RIM_TILE 8
 
 // The camera of viewer/frame/view.h, in the octree's frame.
 struct ViewBlock {

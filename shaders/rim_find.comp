@@ -9,6 +9,8 @@ layout(local_size_x = 128) in;
 layout(std430, binding = BINDING_DEPTHS) buffer pixel_depths { uint depths[]; };
 layout(std430, binding = BINDING_RIMS) writeonly buffer pixel_rims { float rims[]; };   // depth, or 0
 
+layout(std430, binding = BINDING_RIM_TILES) writeonly buffer rim_tiles { uint tiles[]; };   // 1: holds a rim
+
 // Sum of weights of a rim. Inside a surface of random points it is 1.8 in the mean (splat scale 3).
 const float kRimCover = 0.04;
 
@@ -20,5 +22,9 @@ void main() {
     int weight = normal_sums[pixel].w;
     bool rim = weight > 0 && float(weight) < kRimCover * kFixedOne;
     rims[pixel] = rim ? uintBitsToFloat(depths[pixel]) : 0.0;
-    if (rim) depths[pixel] = kFarthest;
+    if (rim) {
+        depths[pixel] = kFarthest;
+        uint columns = (view.width + RIM_TILE - 1u) / RIM_TILE;
+        tiles[pixel / view.width / RIM_TILE * columns + pixel % view.width / RIM_TILE] = 1u;
+    }
 }

@@ -69,7 +69,7 @@ void main() {
         mirrored = wetness * mirrored_radiance(position, film, to_eye, albedos[pixel].w);
 #endif
     }
-    direct[pixel] = vec4(0.0, 0.0, 0.0, 1.0);
+    direct[pixel] = vec4(0.0);   // w: what shade_light.comp keeps there
     indirect[pixel] = vec4(reflected, 1.0);
     specular[pixel] = vec4(mirrored, 1.0);
     emission[pixel] = vec4(emitted, panel >= 0 ? 1.0 : 0.0);

@@ -16,14 +16,16 @@ layout(std430, binding = BINDING_RIMS) readonly buffer pixel_rims { float rims[]
 bool counts(uint pixel, float behind, float radius) {
     return rims[pixel] > 0.0 && behind > -0.01 * radius;   // the rim itself lies farther in front
 }
+#include "rim_tiles.glsl"
 #else
+bool any_rim(Splat splat) { return true; }
 bool counts(uint pixel, float behind, float radius) { return true; }
 #endif
 
 void main() {
     PackedSurfel surfel;
     Splat splat;
-    if (!this_splat(surfel, splat)) return;
+    if (!this_splat(surfel, splat) || !any_rim(splat)) return;
     vec3 normal = camera_from_octree_direction(surfel_normal(surfel));
     vec3 albedo = surfel_albedo(surfel);
     float ndf_length = surfel_ndf_length(surfel);

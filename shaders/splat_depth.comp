@@ -15,14 +15,16 @@ layout(std430, binding = BINDING_RIMS) readonly buffer pixel_rims { float rims[]
 bool counts(uint pixel, float depth, float radius) {
     return rims[pixel] > 0.0 && depth - rims[pixel] > radius;
 }
+#include "rim_tiles.glsl"
 #else
+bool any_rim(Splat splat) { return true; }
 bool counts(uint pixel, float depth, float radius) { return true; }
 #endif
 
 void main() {
     PackedSurfel surfel;
     Splat splat;
-    if (!this_splat(surfel, splat)) return;
+    if (!this_splat(surfel, splat) || !any_rim(splat)) return;
 
     for (int y = splat.lowest.y; y <= splat.highest.y; ++y) {
         for (int x = splat.lowest.x; x <= splat.highest.x; ++x) {

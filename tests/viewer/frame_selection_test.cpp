@@ -71,6 +71,22 @@ TEST(Selection, CountsPixelsByScaleInAnOrthographicView) {
     EXPECT_NEAR(selected[0].count, 100.0, 1.0) << "10 x 10 pixels, wherever it stands";
 }
 
+TEST(Selection, KeepsABudgetOfSurfelsAndWhatIsResidentByDrawingEvenlyFewer) {
+    const std::vector<Chunk> chunks = {chunk_at({0, 2, 0}, 1, 1000), chunk_at({0, 4, 0}, 1, 3000)};
+    SelectionSettings settings{.quality = 0.1f, .splat_scale = 2.0f, .resident = 0.5};
+    const auto half = select_chunks(chunks, kOrigin, view_to_the_north(), settings);
+    ASSERT_EQ(half.size(), 2u);
+    EXPECT_EQ(half[0].count, 500u);
+    EXPECT_EQ(half[1].count, 1500u);
+    EXPECT_NEAR(half[0].scale, 2.0 * std::sqrt(2.0), 1e-5);
+
+    settings.most_surfels = 200;
+    const auto few = select_chunks(chunks, kOrigin, view_to_the_north(), settings);
+    EXPECT_EQ(few[0].count, 50u);
+    EXPECT_EQ(few[1].count, 150u);
+    EXPECT_NEAR(few[1].scale, 2.0 * std::sqrt(20.0), 1e-5);
+}
+
 TEST(Selection, ReturnsNothingForNothing) {
     EXPECT_TRUE(select_chunks({}, kOrigin, view_to_the_north(), {}).empty());
     EXPECT_TRUE(select_chunks(std::vector<Chunk>{chunk_at({0, 9, 0}, 1, 0)}, kOrigin,

@@ -159,6 +159,25 @@ TEST(Frame, ShowsAnAreaLightAsTheRectangleItIs) {
     EXPECT_NEAR(area, 0.6 * 0.4, 0.02) << "m2";
 }
 
+TEST(Frame, LeavesNoHoleWhereMemoryHoldsATenthOfTheCloud) {
+    Room room;
+    const std::size_t tenth = room.octree.view().surfels.size_bytes() / 10;
+    Frame coarse(room.context, room.octree.view(),
+                 {.selection = {}, .point_memory = tenth, .samples = 1});
+    const View view = view_of(camera_at({1, -1, 1}, {-1, 1, 0.8}, 80, 60));
+    const FrameLayers fine = room.frame.render(view, room.light);
+    const FrameLayers thin = coarse.render(view, room.light);
+    EXPECT_LE(coarse.surfels_drawn(), room.frame.surfels_drawn() / 10 + room.octree.chunks.size());
+    double difference = 0, sum = 0;
+    for (std::size_t i = 0; i < fine.depth.size(); ++i) {
+        EXPECT_GT(thin.depth[i], 0.0f);
+        difference += std::abs(fine.direct[i].x - thin.direct[i].x);
+        sum += fine.direct[i].x;
+    }
+    std::cout << "relative difference of direct light " << difference / sum << "\n";
+    EXPECT_LT(difference / sum, 0.05);
+}
+
 TEST(Frame, AveragesSubPixelsAtSilhouettes) {
     Room room;
     Frame smooth(room.context, room.octree.view(), {.selection = {}, .samples = 3});

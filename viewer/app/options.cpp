@@ -179,6 +179,16 @@ std::optional<Options> read_options(int argc, char** argv) {
         app.add_option("--wetness", wetness,
                        "how much of the walls is wet, 0 to 1; above 0 it turns --specular on")
             ->check(CLI::Range(0.0, 1.0));
+    app.add_option("--quality", options.frame.selection.quality,
+                   "pixels between drawn points; more is coarser and faster")
+        ->check(CLI::Range(0.1, 100.0))
+        ->capture_default_str();
+    app.add_option("--points", options.frame.selection.most_surfels,
+                   "points in a frame at most, 0 for no limit; a denser view is drawn coarser")
+        ->capture_default_str();
+    app.add_option("--gpu-memory", options.frame.point_memory,
+                   "what the points may take on the GPU (2G, 500M); a larger cloud is held coarser")
+        ->transform(CLI::AsSizeValue(false));
     app.add_option("--samples", options.frame.samples,
                    "a headless pixel is the mean of this many "
                    "squared")

@@ -55,7 +55,10 @@ void store(const PixelSums& sums, int samples, FrameLayers& layers, std::size_t 
 Frame::Frame(const Context& context, const OctreeView& octree, const FrameSettings& settings)
     : octree_(octree),
       settings_(settings),
-      cloud_(octree, static_cast<std::size_t>(context.device().max_storage_bytes)) {}
+      cloud_(octree, static_cast<std::size_t>(context.device().max_storage_bytes),
+             settings.point_memory) {
+    settings_.selection.resident = cloud_.resident();
+}
 
 void Frame::set_panels(std::span<const AreaLight> panels) {
     shading_.set_panels(panels, octree_.grid.origin);

@@ -12,6 +12,8 @@ namespace glowworm {
 
 struct FrameSettings {
     SelectionSettings selection;
+    /// Bytes on the GPU that points may take; 0: no limit. A larger cloud is drawn coarser.
+    std::uint64_t point_memory = 0;
     float wetness = 0.0f;  ///< 0..1: how much of the walls a film of water covers
     int samples = 2;       ///< 1..8: a headless frame's pixels are means of this many squared
 };

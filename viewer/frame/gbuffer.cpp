@@ -79,6 +79,7 @@ void GBuffer::resize(std::size_t pixels) {
     depths_ = Buffer("pixel depths", pixels * sizeof(float));
     depths_.write(std::vector<float>(pixels, std::numeric_limits<float>::infinity()));
     rims_ = Buffer("pixel rims", pixels * sizeof(float));
+    rim_tiles_ = Buffer("rim tiles", pixels * sizeof(std::uint32_t));  // enough for any shape
     normal_sums_ = Buffer("normal sums", pixels * 4 * sizeof(std::int32_t));
     albedo_sums_ = Buffer("albedo sums", pixels * 4 * sizeof(std::uint32_t));
     behind_sums_ = Buffer("behind sums", pixels * sizeof(std::int32_t));
@@ -106,6 +107,7 @@ void GBuffer::draw(const OctreeView& octree, const SurfelPages& cloud,
     batches_.bind_storage(BINDING_SPLAT_BATCHES);
     depths_.bind_storage(BINDING_DEPTHS);
     rims_.bind_storage(BINDING_RIMS);
+    rim_tiles_.bind_storage(BINDING_RIM_TILES);
     normal_sums_.bind_storage(BINDING_NORMAL_SUMS);
     albedo_sums_.bind_storage(BINDING_ALBEDO_SUMS);
     behind_sums_.bind_storage(BINDING_BEHIND_SUMS);
@@ -120,6 +122,7 @@ void GBuffer::draw(const OctreeView& octree, const SurfelPages& cloud,
     timed(timer, "splat depth", [&] { splat(depth_); });
     timed(timer, "splat blend", [&] { splat(blend_); });
     timed(timer, "rims", [&] {
+        rim_tiles_.clear();
         find_rims_.dispatch(pixels_, 128);
         splat(depth_behind_);
         open_rims_.dispatch(pixels_, 128);

@@ -42,7 +42,7 @@ class GBuffer {
     Program find_rims_{{"rim_find.comp"}}, open_rims_{{"rim_open.comp"}};
     Program resolve_{{"surface_resolve.comp"}};
     Buffer view_, chunks_, batches_;
-    Buffer depths_, rims_, normal_sums_, albedo_sums_, behind_sums_;
+    Buffer depths_, rims_, rim_tiles_, normal_sums_, albedo_sums_, behind_sums_;
     Buffer surfaces_, albedos_;
     std::size_t pixels_ = 0;
 };

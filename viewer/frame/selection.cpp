@@ -51,6 +51,11 @@ double distance_to_box(const Vec3d& point, const Vec3d& centre, double half_edge
 
 }  // namespace
 
+std::uint32_t share_of(const Chunk& chunk, double share) {
+    if (chunk.count == 0) return 0;
+    return std::clamp(static_cast<std::uint32_t>(std::ceil(share * chunk.count)), 1u, chunk.count);
+}
+
 std::vector<ChunkSelection> select_chunks(std::span<const Chunk> chunks, const Vec3d& origin,
                                           const View& view, const SelectionSettings& settings) {
     struct Seen {
@@ -59,6 +64,7 @@ std::vector<ChunkSelection> select_chunks(std::span<const Chunk> chunks, const V
     };
     const std::array<Plane, 5> frustum = frustum_of(view);
     std::vector<Seen> seen;
+    std::uint64_t total = 0;
     for (std::uint32_t i = 0; i < chunks.size(); ++i) {
         const Chunk& chunk = chunks[i];
         if (chunk.count == 0) continue;
@@ -76,19 +82,27 @@ std::vector<ChunkSelection> select_chunks(std::span<const Chunk> chunks, const V
                                                : std::numeric_limits<double>::infinity();
         const double spacing = chunk.spacing * metre / settings.quality;
         const double share = spacing > 0 ? std::min(spacing * spacing, 1.0) : 1.0;
-        const std::uint32_t count =
-            std::clamp(static_cast<std::uint32_t>(std::ceil(share * chunk.count)), 1u, chunk.count);
-        const float thinned =
-            std::sqrt(static_cast<float>(chunk.count) / static_cast<float>(count));
-        seen.push_back({{i, count, settings.splat_scale * thinned}, distance});
+        seen.push_back({{i, share_of(chunk, std::min(share, settings.resident)), 0.0f}, distance});
+        total += seen.back().selection.count;
     }
     std::stable_sort(seen.begin(), seen.end(),
                      [](const Seen& a, const Seen& b) { return a.distance < b.distance; });
 
     std::vector<ChunkSelection> selections;
     selections.reserve(seen.size());
-    for (const Seen& s : seen)
-        selections.push_back(s.selection);
+    const double kept =
+        settings.most_surfels > 0 && total > settings.most_surfels
+            ? static_cast<double>(settings.most_surfels) / static_cast<double>(total)
+            : 1.0;
+    for (const Seen& s : seen) {
+        const Chunk& chunk = chunks[s.selection.chunk];
+        const std::uint32_t count = kept < 1.0
+                                        ? share_of(chunk, kept * s.selection.count / chunk.count)
+                                        : s.selection.count;
+        const float thinned =
+            std::sqrt(static_cast<float>(chunk.count) / static_cast<float>(count));
+        selections.push_back({s.selection.chunk, count, settings.splat_scale * thinned});
+    }
     return selections;
 }
 

@@ -15,6 +15,11 @@ struct SelectionSettings {
     /// Drawn radius over stored radius, >= 1. A stored radius is that of the surfel's share of the
     /// surface; discs of random points leave exp(-k^2) of it uncovered.
     float splat_scale = 3.0f;
+    /// Share of each chunk that is there to be drawn, (0, 1]: clouds larger than their memory are
+    /// held as coarser ones.
+    double resident = 1.0;
+    /// Surfels in a frame at most, each chunk's share less by the same factor; 0: no limit.
+    std::uint64_t most_surfels = 0;
 };
 
 /// The first `count` surfels of a chunk, an even subsample, each grown to close the gaps.
@@ -23,6 +28,9 @@ struct ChunkSelection {
     std::uint32_t count;  ///< 1 .. the chunk's
     float scale;          ///< drawn radius over stored radius
 };
+
+/// How many of a chunk's surfels, its first ones, stand for a `share` of it. None of an empty one.
+std::uint32_t share_of(const Chunk& chunk, double share);
 
 /// The chunks that `view` can see, nearest first, thinned by distance. Nothing seen, nothing
 /// returned. `origin` is the octree's, m, world.

@@ -12,6 +12,7 @@ gpu::vec4 vec4_of(const Vec3d& v) {
 }
 
 constexpr std::int32_t kAreaRows = 6;    // of samples on an area light, in a pixel
+constexpr std::int32_t kLookRow = -1;    // shade_light.comp: how much of an area light is seen
 constexpr std::int32_t kRowsAtOnce = 2;  // direct_light.glsl says why not all
 
 }  // namespace
@@ -67,8 +68,12 @@ void Shading::draw(const GBuffer& gbuffer, const LightField& light, const View& 
     const std::int32_t rows = (kAreaRows + sub_pixels - 1) / sub_pixels;
     for (std::uint32_t i = 0; i < light.lights().size(); ++i) {
         set_uniform(passes.light, 0, i);
-        const std::int32_t last = light.lights()[i].kind == LIGHT_AREA ? rows : 1;
-        for (std::int32_t row = 0; row < last; row += kRowsAtOnce) {
+        const bool area = light.lights()[i].kind == LIGHT_AREA;
+        if (area) {
+            set_uniform(passes.light, 1, kLookRow);
+            run(passes.light);
+        }
+        for (std::int32_t row = 0; row < (area ? rows : 1); row += kRowsAtOnce) {
             set_uniform(passes.light, 1, row);
             set_uniform(passes.light, 2, std::min(row + kRowsAtOnce, rows));
             run(passes.light);
