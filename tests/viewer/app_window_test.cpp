@@ -47,7 +47,7 @@ class Visit {
             << R"({"lights":[{"type":"point","name":"lamp","position":[1,1,2.5],
             "radiant_intensity":[0.1,0.1,0.1]}],"cameras":[{"name":"c","position":[2,0.5,1.5],
             "look_at":[2,4,1.5],"up":[0,0,1],"vfov_deg":60,"width":320,"height":240}]})";
-        std::vector<std::string> words{GLOWWORM_VIEW_PROGRAM, file("room.svo"), "--size", "320x240",
+        std::vector<std::string> words{GLOWWORM_VIEW_PROGRAM, file("room.svo"), "--size", size,
                                        "-v"};
         if (!own_scene) words.insert(words.end(), {"--scene", "scene.json"});
         words.insert(words.end(), more.begin(), more.end());
