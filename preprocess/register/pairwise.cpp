@@ -4,6 +4,7 @@
 
 #include "preprocess/register/correspondences.h"
 #include "preprocess/register/hypotheses.h"
+#include "preprocess/register/rivals.h"
 #include "preprocess/register/trust.h"
 
 namespace glowworm {
@@ -123,17 +124,28 @@ PairFit align_pair(const ScanModel& source, const ScanModel& target, const PairS
     }
     if (!best.believed || !weak_axes(best.fit).empty()) return best;
 
-    // 4. Any other place that fits nearly as well?
-    for (const Tried& other : tried) {
-        if (other.support < kRival * support(best.agreement)) break;
-        if (!elsewhere(other.T, best.fit, settings.voxel_size)) continue;
+    // 4. Any other place that fits nearly as well, led to by keypoints or not?
+    const double least = kRival * support(best.agreement);
+    const auto rivals = [&](const Eigen::Isometry3d& T) {
+        if (!elsewhere(T, best.fit, settings.voxel_size)) return false;
         PairFit rival;
-        rival.matches = other.matches;
-        refine_finely(source, target, other.T, settings, rival);
-        best.ambiguous = rival.believed &&
-                         support(rival.agreement) >= kRival * support(best.agreement) &&
-                         elsewhere(rival.fit.T_target_source, best.fit, settings.voxel_size);
+        rival.matches = best.matches;
+        refine_finely(source, target, T, settings, rival);
+        return rival.believed && support(rival.agreement) >= least &&
+               elsewhere(rival.fit.T_target_source, best.fit, settings.voxel_size);
+    };
+    for (const Tried& other : tried) {
+        if (other.support < least) break;
+        best.ambiguous = best.ambiguous || rivals(other.T);
+    }
+    for (const Eigen::Isometry3d& start :
+         slid_rivals(source, target, best.fit, settings.voxel_size)) {
         if (best.ambiguous) break;
+        const Eigen::Isometry3d T =
+            refine(source.coarse, target.coarse, start, coarse_settings(settings, 1500))
+                .T_target_source;
+        best.ambiguous =
+            support(verify(source, target, T, settings.voxel_size, 800)) >= least && rivals(T);
     }
     best.believed = !best.ambiguous;
     return best;

@@ -38,8 +38,9 @@ PairFit judge(const ScanModel& source, const ScanModel& target, const Eigen::Iso
 
 /// The best supported pose of a pair from nothing: descriptors matched, guesses grown, each refined
 /// and verified, the winner refined finely. Not believed where there is none, nor where a second
-/// pose that lies elsewhere could be believed as well, as in a passage that repeats itself;
-/// unless the winner has weak axes, which say it already.
+/// pose that lies elsewhere could be believed as well, as in a passage that repeats itself: such
+/// poses are looked for among the guesses and by sliding the winner along the passage; unless the
+/// winner has weak axes, which say it already.
 PairFit align_pair(const ScanModel& source, const ScanModel& target, const PairSettings& settings);
 
 /// Whether the evidence of the pair alone speaks for it: enough surface in common, (almost) none

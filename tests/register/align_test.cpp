@@ -154,6 +154,29 @@ TEST(Registration, PutsTheSameScanTwiceOnItself) {
     EXPECT_LE(worst_error(result, {site.truth[0], site.truth[0]}).millimetres, 0.01);
 }
 
+TEST(Registration, RefusesAPassageThatRepeatsItself) {
+    // The same niches every 2.5 m: shifted by that the scans fit as well, and nothing tells.
+    constexpr double kPeriod = 2.5;
+    SimulatedCave cave;
+    for (int i = -12; i <= 12; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            cave.air.push_back(
+                {{i * kPeriod + 0.3 * k, 0.25 * std::sin(2.1 * k), 0.2 * std::cos(1.7 * k)},
+                 0.9 + 0.25 * k});
+        }
+        for (double x = 0; x < kPeriod; x += 0.4)
+            cave.air.push_back({{i * kPeriod + x, 0, 0}, 0.8});
+    }
+    std::vector<Scan> scans;
+    for (unsigned seed = 1; seed <= 2; ++seed) {
+        const Eigen::Isometry3d T = testing::station_at({3.2 * seed, 0, 0}, seed);
+        scans.push_back(testing::scan_cave(cave, T, 40000, seed));
+        std::erase_if(scans.back().points.positions,
+                      [](const Vec3f& p) { return length(p) > 9.0f; });
+    }
+    EXPECT_EQ(unregistered(align_scans(scans, {})), 1u);
+}
+
 TEST(Registration, SaysWhichWayAStraightTunnelLeavesOpen) {
     // A bare tube along X, 3 m wide, seen from two places 4 m apart.
     std::vector<Scan> scans;
