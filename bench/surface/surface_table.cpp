@@ -17,11 +17,12 @@
 #include <functional>
 #include <string>
 
-#include "peers.h"
+#include "cgal_normals.h"
 #include "preprocess/surface/flann_neighbours.h"
 #include "preprocess/surface/neighbours.h"
 #include "preprocess/surface/surface.h"
 #include "surface/accuracy.h"
+#include "surface/pcl_normals.h"
 #include "surface/shapes.h"
 
 namespace glowworm::bench {
@@ -141,7 +142,8 @@ void run(std::size_t n, int k, bool peers) {
     row("neighbours", n, [&] { nearest_neighbours(tree, k - 1, 1.0f); });
     row("neighbours, FLANN", n, [&] { flann_neighbours(tree, k - 1, 1.0f); });
     std::vector<Vec3f> normals;
-    row("PCL NormalEstimationOMP", n, [&] { normals = pcl_normals(positions, k, threads); });
+    row("PCL NormalEstimationOMP", n,
+        [&] { normals = testing::pcl_normals(positions, k, threads); });
     print_angles(normals, shape);
     row("CGAL pca_estimate_normals", n, [&] { normals = cgal_normals(positions, k); });
     print_angles(normals, shape);

@@ -1,5 +1,7 @@
 #include "preprocess/surface/surface.h"
 
+#include <vector>
+
 #include "preprocess/command/command.h"
 #include "preprocess/command/plan.h"
 #include "preprocess/command/stage_flags.h"
@@ -34,10 +36,12 @@ nlohmann::ordered_json run_surface(Run& run, const SurfaceFlags& flags) {
     run.console.phase("read", "points");
     const PointCloud cloud = read_cloud(flags.input, flags.read);
     SurfaceReport report;
-    const SurfelCloud surfels =
-        make_surfels(cloud, flags.settings, &report, run.console.phase("surface", "points"));
+    std::vector<float> normal_errors;
+    const SurfelCloud surfels = make_surfels(
+        cloud, flags.settings, &report, run.console.phase("surface", "points"), &normal_errors);
     run.console.phase("write", "points");
-    write_cloud(to_points(surfels), output);
+    write_cloud(to_points(surfels), output,
+                std::vector{ExtraColumn{"normal_error", normal_errors}});
     if (!flags.plot.empty()) write_png(plot_surfels(surfels), flags.plot);
     run.console.end_phase();
 

@@ -94,16 +94,27 @@ Orientation orientation_of(const OrientationReport& sides, Orientation by, std::
     return by;
 }
 
+/// How far the points' scatter about the plane leaves its normal open, deg.
+float normal_error(const LocalPlane& plane, float range_noise) {
+    const float scatter = std::max(plane.thickness, range_noise);
+    return std::min(plane.error_per_noise * scatter * 180.0f / std::numbers::pi_v<float>, 90.0f);
+}
+
 /// Surfels in the order of the cloud's points, those without a plane left out.
 void write_surfels(const PointCloud& cloud, const SurfacePoints& points,
                    const std::vector<LocalPlane>& planes, const std::vector<float>& ndf_lengths,
-                   const std::vector<Rgb8>& albedo, std::vector<Surfel>& surfels) {
+                   const std::vector<Rgb8>& albedo, float range_noise, std::vector<Surfel>& surfels,
+                   std::vector<float>* normal_errors) {
     constexpr std::uint32_t kNone = kNoNeighbour;
     std::vector<std::uint32_t> place(cloud.points.size(), kNone);
     for (std::size_t t = 0; t < points.size(); ++t) {
         if (planes[t].area > 0.0f) place[points.tree.order[t]] = static_cast<std::uint32_t>(t);
     }
     surfels.reserve(points.size());
+    if (normal_errors) {
+        normal_errors->clear();
+        normal_errors->reserve(points.size());
+    }
     for (std::size_t i = 0; i < place.size(); ++i) {
         if (place[i] == kNone) continue;
         const LocalPlane& plane = planes[place[i]];
@@ -116,6 +127,7 @@ void write_surfels(const PointCloud& cloud, const SurfacePoints& points,
         if (!cloud.points.emissions.empty()) surfel.emission = cloud.points.emissions[i];
         surfel.station = points.station(place[i]);
         surfels.push_back(surfel);
+        if (normal_errors) normal_errors->push_back(normal_error(plane, range_noise));
     }
 }
 
@@ -150,7 +162,8 @@ std::string describe(AlbedoSource source) {
 }
 
 SurfelCloud make_surfels(const PointCloud& cloud, const SurfaceSettings& settings,
-                         SurfaceReport* report_out, const Progress& progress) {
+                         SurfaceReport* report_out, const Progress& progress,
+                         std::vector<float>* normal_errors) {
     SurfaceReport report;
     report.points = cloud.points.size();
 
@@ -201,7 +214,8 @@ SurfelCloud make_surfels(const PointCloud& cloud, const SurfaceSettings& setting
     SurfelCloud surfels{cloud.origin, {}, cloud.stations, cloud.area_lights};
     const std::vector<Rgb8> albedo =
         albedo_bytes(cloud.points, settings.default_albedo, report.albedo);
-    write_surfels(cloud, points, planes, ndf_lengths, albedo, surfels.surfels);
+    write_surfels(cloud, points, planes, ndf_lengths, albedo, fit.range_noise, surfels.surfels,
+                  normal_errors);
 
     if (settings.delight) report.delight = delight(surfels);
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "octree/progress.h"
 #include "octree/surfel.h"
@@ -87,8 +88,11 @@ std::string describe(AlbedoSource source);
 /// a neighbourhood, in the order of the points. Normals, radii and NDF lengths that the cloud
 /// already has are estimated anew. The same cloud gives the same bytes on any number of threads.
 /// Throws Error kDegenerate where no point has a neighbourhood: an empty cloud, one point, all
-/// points equal or on one line. `report` may be null.
+/// points equal or on one line. `report` may be null, and so may `normal_errors`, which gets for
+/// each surfel the standard error of its normal, in degrees, at most 90: how far the scatter of its
+/// neighbourhood (noise and roughness) leaves it open.
 SurfelCloud make_surfels(const PointCloud& cloud, const SurfaceSettings& settings,
-                         SurfaceReport* report = nullptr, const Progress& progress = {});
+                         SurfaceReport* report = nullptr, const Progress& progress = {},
+                         std::vector<float>* normal_errors = nullptr);
 
 }  // namespace glowworm

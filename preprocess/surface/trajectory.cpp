@@ -61,7 +61,7 @@ Trajectory read_trajectory(const std::filesystem::path& path) {
     const std::string name = "The trajectory \"" + path.string() + "\"";
     std::ifstream file;
     if (std::filesystem::is_regular_file(path)) file.open(path, std::ios::binary);
-    if (!file) {
+    if (!file.is_open()) {
         throw Error(ExitCode::kUnreadable, name + " cannot be read; check the path.");
     }
     Trajectory trajectory;

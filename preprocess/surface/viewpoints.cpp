@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "preprocess/kd_tree.h"
 #include "preprocess/surface/disc_cast.h"
@@ -22,6 +24,9 @@ constexpr std::size_t kNearestPoses = 8;
 /// A point's time may lie this far outside the trajectory, s.
 constexpr double kLate = 1.0;
 
+/// The viewpoint of a point that none is known for.
+constexpr std::uint32_t kUnseen = std::numeric_limits<std::uint32_t>::max();
+
 /// A view flatter than this (cosine) says nothing about the side.
 constexpr float kFlat = 0.05f;
 
@@ -34,14 +39,16 @@ constexpr float kScannerSize = 0.4f;
 /// Appends the poses to the viewpoints; returns the place of the first.
 std::uint32_t append_poses(const Trajectory& poses, const Vec3d& origin, SurfacePoints& points) {
     const auto first = static_cast<std::uint32_t>(points.viewpoints.size());
+    if (points.seen_from.empty()) {
+        // A station that the cloud does not name must not become one of the poses.
+        std::vector<std::uint32_t> seen_from(points.size());
+        for (std::size_t i = 0; i < points.size(); ++i)
+            seen_from[i] = points.is_viewed(i) ? points.station(i) : kUnseen;
+        points.seen_from = std::move(seen_from);
+    }
     for (const Vec3d& position : poses.positions)
         points.viewpoints.push_back(vec3_cast<float>(position - origin));
     points.has_viewpoint.resize(points.viewpoints.size(), true);
-    if (points.seen_from.empty()) {
-        points.seen_from.resize(points.size());
-        for (std::size_t i = 0; i < points.size(); ++i)
-            points.seen_from[i] = points.station(i);
-    }
     return first;
 }
 

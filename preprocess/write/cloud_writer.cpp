@@ -14,14 +14,15 @@ namespace {
 
 struct CloudWriter {
     std::string_view extension;
-    void (*write)(const PointCloud& cloud, const std::filesystem::path& path);
+    void (*write)(const PointCloud& cloud, const std::filesystem::path& path,
+                  std::span<const ExtraColumn> extra);
 };
 
 constexpr CloudWriter kWriters[] = {
     {".ply", write_ply},
-    {".pcd", write_pcd},
-    {".las", write_las},
-    {".e57", write_e57},
+    {".pcd", [](auto& cloud, auto& path, auto) { write_pcd(cloud, path); }},
+    {".las", [](auto& cloud, auto& path, auto) { write_las(cloud, path); }},
+    {".e57", [](auto& cloud, auto& path, auto) { write_e57(cloud, path); }},
 };
 
 const CloudWriter& writer_for(const std::filesystem::path& path) {
@@ -40,8 +41,9 @@ const CloudWriter& writer_for(const std::filesystem::path& path) {
 
 }  // namespace
 
-void write_cloud(const PointCloud& cloud, const std::filesystem::path& path) {
-    writer_for(path).write(cloud, path);
+void write_cloud(const PointCloud& cloud, const std::filesystem::path& path,
+                 std::span<const ExtraColumn> extra) {
+    writer_for(path).write(cloud, path, extra);
 }
 
 void check_cloud_extension(const std::filesystem::path& path) {

@@ -11,7 +11,8 @@
 
 namespace glowworm {
 
-void write_ply(const PointCloud& cloud, const std::filesystem::path& path) {
+void write_ply(const PointCloud& cloud, const std::filesystem::path& path,
+               std::span<const ExtraColumn> extra) {
     constexpr std::size_t kBlockPoints = 65536;
     const Points& points = cloud.points;
     AtomicFile file(path);
@@ -22,7 +23,7 @@ void write_ply(const PointCloud& cloud, const std::filesystem::path& path) {
         header += "comment " + line + "\n";
     }
     header += fmt::format("element vertex {}\n", points.size());
-    for (const WrittenField& field : written_fields(points, ColourForm::kThreeBytes)) {
+    for (const WrittenField& field : written_fields(points, ColourForm::kThreeBytes, extra)) {
         header += fmt::format("property {} {}\n", field.type, field.name);
     }
     file.write(header + "end_header\n");
@@ -30,7 +31,7 @@ void write_ply(const PointCloud& cloud, const std::filesystem::path& path) {
     for (std::size_t begin = 0; begin < points.size(); begin += kBlockPoints) {
         const std::size_t end = std::min(begin + kBlockPoints, points.size());
         const std::vector<std::byte> records =
-            write_records(points, ColourForm::kThreeBytes, begin, end);
+            write_records(points, ColourForm::kThreeBytes, begin, end, extra);
         file.write(records.data(), records.size());
     }
     file.commit();

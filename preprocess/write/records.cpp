@@ -41,7 +41,8 @@ std::uint32_t packed(const Rgb8& colour) {
 
 }  // namespace
 
-std::vector<WrittenField> written_fields(const Points& points, ColourForm form) {
+std::vector<WrittenField> written_fields(const Points& points, ColourForm form,
+                                         std::span<const ExtraColumn> extra) {
     std::vector<WrittenField> fields;
     for_each_column(points, [&](const auto& column, auto names, std::string_view type) {
         if (kIsColour<decltype(column)> && form == ColourForm::kPacked) {
@@ -52,31 +53,36 @@ std::vector<WrittenField> written_fields(const Points& points, ColourForm form) 
             fields.push_back({name, type, kElementBytes<decltype(column)> / names.size()});
         }
     });
+    for (const ExtraColumn& column : extra)
+        fields.push_back({column.name, "float", sizeof(float)});
     return fields;
 }
 
 std::vector<std::byte> write_records(const Points& points, ColourForm form, std::size_t begin,
-                                     std::size_t end) {
+                                     std::size_t end, std::span<const ExtraColumn> extra) {
     std::size_t stride = 0;
-    for (const WrittenField& field : written_fields(points, form))
+    for (const WrittenField& field : written_fields(points, form, extra))
         stride += field.bytes;
     std::vector<std::byte> records((end - begin) * stride);
     std::size_t offset = 0;
-    for_each_column(points, [&](const auto& column, auto, std::string_view) {
-        const auto write = [&](auto value_of) {
-            using Value = decltype(value_of(column[0]));
-            std::byte* to = records.data() + offset;
-            for (std::size_t i = begin; i < end; ++i, to += stride) {
-                const Value value = value_of(column[i]);
-                std::memcpy(to, &value, sizeof value);
-            }
-            offset += sizeof(Value);
-        };
-        if constexpr (kIsColour<decltype(column)>) {
-            if (form == ColourForm::kPacked) return write(packed);
+    const auto write = [&](const auto& column, auto value_of) {
+        using Value = decltype(value_of(column[0]));
+        std::byte* to = records.data() + offset;
+        for (std::size_t i = begin; i < end; ++i, to += stride) {
+            const Value value = value_of(column[i]);
+            std::memcpy(to, &value, sizeof value);
         }
-        write([](const auto& value) { return value; });
+        offset += sizeof(Value);
+    };
+    const auto as_it_is = [](const auto& value) { return value; };
+    for_each_column(points, [&](const auto& column, auto, std::string_view) {
+        if constexpr (kIsColour<decltype(column)>) {
+            if (form == ColourForm::kPacked) return write(column, packed);
+        }
+        write(column, as_it_is);
     });
+    for (const ExtraColumn& column : extra)
+        write(column.values, as_it_is);
     return records;
 }
 

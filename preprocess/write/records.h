@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -16,15 +17,22 @@ struct WrittenField {
 };
 
 enum class ColourForm {
-    kThreeBytes,   ///< red green blue, as PLY has them
-    kPacked,       ///< one field `rgb`, 0x00RRGGBB, as PCD has it
+    kThreeBytes,  ///< red green blue, as PLY has them
+    kPacked,      ///< one field `rgb`, 0x00RRGGBB, as PCD has it
 };
 
-/// The fields of the columns that `points` has, in the order of the record.
-std::vector<WrittenField> written_fields(const Points& points, ColourForm form);
+/// A column that no stage reads again: it follows those that `Points` has.
+struct ExtraColumn {
+    std::string_view name;
+    std::span<const float> values;  ///< [n] as many as the points
+};
+
+/// The fields of the columns that `points` has and of the extra ones, in the order of the record.
+std::vector<WrittenField> written_fields(const Points& points, ColourForm form,
+                                         std::span<const ExtraColumn> extra = {});
 
 /// Points [begin, end) as little-endian records without gaps.
 std::vector<std::byte> write_records(const Points& points, ColourForm form, std::size_t begin,
-                                     std::size_t end);
+                                     std::size_t end, std::span<const ExtraColumn> extra = {});
 
 }  // namespace glowworm

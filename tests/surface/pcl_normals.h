@@ -5,13 +5,10 @@
 
 #include "octree/vec3.h"
 
-namespace glowworm::bench {
+namespace glowworm::testing {
 
 /// Normals ([n] unit, of either sign) by pcl::NormalEstimationOMP with `k` neighbours and
 /// `threads`.
 std::vector<Vec3f> pcl_normals(std::span<const Vec3f> positions, int k, int threads);
 
-/// Normals by CGAL::pca_estimate_normals with `k` neighbours, in parallel.
-std::vector<Vec3f> cgal_normals(std::span<const Vec3f> positions, int k);
-
-}  // namespace glowworm::bench
+}  // namespace glowworm::testing
