@@ -54,6 +54,22 @@ TEST(BadInput, ATruncatedScan) {
     EXPECT_THAT(names_in(results.path()), IsEmpty());
 }
 
+TEST(BadInput, ATrajectoryThatIsNotThereOrHoldsNoPoses) {
+    const ScratchFolder folder, results;
+    write_text(folder / "short.txt", "1 2\n");
+    write_text(folder / "words.txt", "nothing but words\n");
+    for (const std::string command : {"surface", "convert"}) {
+        const auto run = [&](const std::string& file) {
+            return glowworm({command, demo_scan(), "--trajectory", folder / file, "-o",
+                             results / (command == "surface" ? "out.ply" : "out.svo")});
+        };
+        expect_refused(run("none.txt"), 3, "none.txt");
+        expect_refused(run("short.txt"), 3, "line 1");
+        expect_refused(run("words.txt"), 4, "no poses");
+    }
+    EXPECT_THAT(names_in(results.path()), IsEmpty());
+}
+
 TEST(BadInput, AnUnknownKind) {
     const ScratchFolder folder, results;
     write_text(folder / "what.bin", std::string("\x01\x02\x03\x04 what is this\x00\xff", 24));
