@@ -16,11 +16,24 @@ TEST(Pace, DrawsFullyWhereTheMachineIsFast) {
     EXPECT_EQ(pace.divisor(true), 1);
 }
 
-TEST(Pace, KeepsMovementFluentAndRestSharp) {
+/// What `pace` settles on where a frame of 1/d x 1/d of the pixels takes fixed + full / d² seconds.
+int settled(bool moving, double fixed, double full) {
     Pace pace;
-    pace.drawn(8, 0.02);  // 1.28 s for all pixels
-    EXPECT_EQ(pace.divisor(true), 4);
-    EXPECT_EQ(pace.divisor(false), 1);
+    for (int i = 0; i < 20; ++i) {
+        const int divisor = pace.divisor(moving);
+        pace.drawn(divisor, fixed + full / (divisor * divisor));
+    }
+    return pace.divisor(moving);
+}
+
+TEST(Pace, KeepsMovementFluentAndRestSharpWherePixelsCost) {
+    EXPECT_EQ(settled(true, 0.0, 1.28), 4);  // 0.08 s
+    EXPECT_EQ(settled(false, 0.0, 1.28), 1);
+}
+
+TEST(Pace, KeepsRestSharpWhereTheCaveCosts) {
+    EXPECT_EQ(settled(true, 0.7, 0.6), 8);
+    EXPECT_EQ(settled(false, 0.7, 0.6), 1);
 }
 
 TEST(Pace, ForgetsASlowMomentWithinAFewFrames) {

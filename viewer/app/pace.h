@@ -1,21 +1,29 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+
 namespace glowworm {
 
-/// How finely a window draws: a frame of 1/d x 1/d of its pixels costs about 1/d² of the time, so
-/// movement stays fluent where the machine is slow, and what stands still becomes sharp.
+/// How finely a window draws: movement stays fluent where the machine is slow, and what stands
+/// still becomes sharp. Part of a frame's time goes with its pixels and part with the cave, so what
+/// each fineness takes is learnt by drawing it; one never drawn is expected to lie halfway between
+/// the two (time as 1/d for a frame of 1/d x 1/d of the pixels).
 class Pace {
   public:
     /// The finest of 1, 2, 3, 4, 6, 8 whose frame is expected to take at most a tenth of a second
-    /// in movement and a second and a half at rest; 8 where none is, and at first.
+    /// in movement and two seconds at rest; 8 where none is, and at first.
     int divisor(bool moving) const;
 
-    /// A frame drawn at `divisor` took `seconds`.
+    /// A frame drawn at `divisor` (one of those above) took `seconds` > 0.
     void drawn(int divisor, double seconds);
 
   private:
-    double full_seconds_ = 0.0;  ///< of a frame at divisor 1
-    bool measured_ = false;
+    static constexpr std::array kDivisors{1, 2, 3, 4, 6, 8};
+
+    double expected(std::size_t fineness) const;
+
+    std::array<double, kDivisors.size()> seconds_{};  ///< by fineness; 0 = never drawn
 };
 
 }  // namespace glowworm
