@@ -14,6 +14,8 @@ namespace {
 constexpr float kFarInCellWidths = 10.0f;
 constexpr double kFinestCellDeg = 0.15, kCoarsestCellDeg = 2.5;
 constexpr std::size_t kEnoughPoints = 1000, kFewestPoints = 30;
+constexpr std::size_t kSubset = 200000;  // points that tell enough
+constexpr float kAside = 0.2f;           // of the median range
 
 struct Sample {
     std::uint32_t cell;
@@ -50,13 +52,37 @@ HiddenShare hidden_share(const Points& points, double cell_deg) {
 }
 
 bool origin_is_viewpoint(const Points& points) {
+    Points seen;
+    std::vector<float> ranges;
+    const std::size_t stride = std::max<std::size_t>(1, points.size() / kSubset);
+    for (std::size_t i = 0; i < points.size(); i += stride) {
+        if (!is_finite(points.positions[i])) continue;
+        seen.positions.push_back(points.positions[i]);
+        ranges.push_back(length(points.positions[i]));
+    }
     // The finest cells in which enough points meet: the finer, the sharper the two cases part.
     HiddenShare hidden;
-    for (double cell_deg = kFinestCellDeg; cell_deg < kCoarsestCellDeg; cell_deg *= 2.0) {
-        hidden = hidden_share(points, cell_deg);
+    double cell_deg = kFinestCellDeg;
+    for (; cell_deg < kCoarsestCellDeg; cell_deg *= 2.0) {
+        hidden = hidden_share(seen, cell_deg);
         if (hidden.points >= kEnoughPoints) break;
     }
-    return hidden.points >= kFewestPoints && hidden.share < kHiddenShareLimit;
+    if (hidden.points < kFewestPoints || hidden.share >= kHiddenShareLimit) return false;
+    if (hidden.share < kSurelySeen) return true;
+
+    // From a place beside a scanner more is hidden, but from some place beside an origin that lies
+    // in the same chamber as the scanner less is.
+    const auto median = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
+    std::nth_element(ranges.begin(), median, ranges.end());
+    for (const int axis : {0, 1, 2}) {
+        for (const float step : {-kAside * *median, kAside * *median}) {
+            Points aside = seen;
+            for (Vec3f& p : aside.positions)
+                p[axis] += step;
+            if (hidden_share(aside, cell_deg).share < kMoreAside * hidden.share) return false;
+        }
+    }
+    return true;
 }
 
 }  // namespace glowworm

@@ -17,6 +17,12 @@ HiddenShare hidden_share(const Points& points, double cell_deg);
 /// Above this share the points were seen from more than one place. Measured: single stations 0.004
 /// (cave) to 0.10 (trees and poles); an object in its own frame 0.30 and more, a SLAM map 0.64.
 inline constexpr double kHiddenShareLimit = 0.18;
+/// Below this share the origin is as good as the scanner's place: within 0.3 m in a cave.
+inline constexpr double kSurelySeen = 0.02;
+/// Between the two the share must rise to this factor a fifth of the median range to every side.
+/// Measured: at least 1.5 around stations outdoors, at most 0.98 around places 1.6 to 5 m from the
+/// station in the same chamber.
+inline constexpr double kMoreAside = 1.2;
 
 /// Whether the frame's origin is the one place from which all points were seen: (almost) nothing
 /// lies behind anything else. Not so for a SLAM map, a merged cloud or an object in its own frame.

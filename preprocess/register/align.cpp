@@ -74,8 +74,10 @@ Registration align_scans(std::span<const Scan> scans, const RegistrationSettings
     // 1. What each scan's surface looks like. Nobody has to look where all poses are trusted.
     SharedProgress shared(progress, n);
     std::vector<ScanModel> models(n);
+    const bool all_seen = std::all_of(scans.begin(), scans.end(),
+                                      [](const Scan& scan) { return scan.has_viewpoint; });
     tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) {
-        models[i] = model_scan(scans[i], result.voxel_size, settings.upright);
+        models[i] = model_scan(scans[i], result.voxel_size, settings.upright, all_seen);
         if (n > 1 && !frame.all_given) models[i].keypoints = describe(models[i].coarse);
         shared.step();
     });

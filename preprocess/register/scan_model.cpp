@@ -127,7 +127,7 @@ Eigen::Matrix3d main_axes(std::span<const Vec3f> positions, bool upright) {
     return R;
 }
 
-ScanModel model_scan(const Scan& scan, double spacing, bool upright) {
+ScanModel model_scan(const Scan& scan, double spacing, bool upright, bool toward_viewpoint) {
     ScanModel model;
     model.R_model_scan = main_axes(scan.points.positions, upright);
     const std::vector<Vec3f> turned = turn(scan.points.positions, model.R_model_scan);
@@ -136,10 +136,10 @@ ScanModel model_scan(const Scan& scan, double spacing, bool upright) {
         const Vec3d place = -scan.offset;
         const Eigen::Vector3d v = model.R_model_scan * Eigen::Vector3d(place.x, place.y, place.z);
         model.viewpoint = to_vec3(v.cast<float>());
-        viewpoint = model.viewpoint;
+        if (toward_viewpoint) viewpoint = model.viewpoint;
         std::vector<Vec3f> seen = turned;
         for (Vec3f& p : seen)
-            p -= *viewpoint;
+            p -= model.viewpoint;
         model.depths.emplace(seen);
     }
     model.coarse = sample_surface(turned, spacing, viewpoint);

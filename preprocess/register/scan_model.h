@@ -60,8 +60,10 @@ SurfaceSamples sample_surface(std::span<const Vec3f> positions, double spacing,
 /// longer tail; about Z alone with `upright`. Positions that are not finite are passed over.
 Eigen::Matrix3d main_axes(std::span<const Vec3f> positions, bool upright);
 
-/// The model of a (cleaned) scan at the voxel size `spacing` metres, without keypoints.
-ScanModel model_scan(const Scan& scan, double spacing, bool upright);
+/// The model of a (cleaned) scan at the voxel size `spacing` metres, without keypoints. Normals
+/// face its viewpoint only with `toward_viewpoint`: among scans of which some have none, all are
+/// turned by the same rule, or those would be inside out to the others.
+ScanModel model_scan(const Scan& scan, double spacing, bool upright, bool toward_viewpoint = true);
 
 /// A voxel size, m, that leaves about `samples` coarse samples of the median scan, fewer where it
 /// has not 2.5 points for each.

@@ -87,8 +87,12 @@ TEST(RegistrationData, PlacesTheNineScansOfTheSimulatedCave) {
         for (const Rgb8& c : scan.points.colours)
             walls += c == Rgb8{0, 0, 0} ? 1 : 0;
     }
-    std::printf("people removed %zu of %zu, walls lost %zu of %zu\n", people - people_left, people,
-                walls - walls_left, walls);
+    const auto percent = [](std::size_t part, std::size_t whole) {
+        return 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+    };
+    std::printf("people removed %zu of %zu (%.1f %%), walls lost %zu of %zu (%.4f %%)\n",
+                people - people_left, people, percent(people - people_left, people),
+                walls - walls_left, walls, percent(walls - walls_left, walls));
     EXPECT_GE(people - people_left, people * 9 / 10);
     EXPECT_LE(walls - walls_left, walls / 100);
 }

@@ -338,6 +338,29 @@ TEST(Registration, TriesKnownPairsOnly) {
     EXPECT_EQ(unregistered(align_scans(site.scans, {.pairs = {{0, 1}}})), 1u);
 }
 
+TEST(Registration, PlacesScansOfUnknownStationsAmongOthers) {
+    // As a scan that was exported in some other frame: the scanner was not at its origin.
+    Site site = two_chamber_site();
+    site.scans.resize(3);
+    const Eigen::Isometry3d moved(Eigen::Translation3d(30, -12, 4) *
+                                  Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
+    turn(site.scans[1], moved);
+    site.scans[1].has_viewpoint = false;
+    site.truth[1] = site.truth[1] * moved.inverse();
+    const Registration result = align_scans(site.scans, {});
+    EXPECT_TRUE(result.trustworthy()) << distrust(result);
+    for (std::size_t i = 0; i < 3; ++i) {
+        // At the station: far from it a small turn shifts the frame's origin a lot.
+        const Eigen::Vector3d station =
+            (i == 1 ? moved : Eigen::Isometry3d::Identity()).translation();
+        const Eigen::Vector3d found = result.poses.scans[0].T_world_scan.inverse() *
+                                      result.poses.scans[i].T_world_scan * station;
+        const Eigen::Vector3d truth = site.truth[0].inverse() * site.truth[i] * station;
+        std::printf("scan %zu: %.2f mm\n", i, 1000.0 * (found - truth).norm());
+        EXPECT_LE((found - truth).norm(), 0.005);
+    }
+}
+
 TEST(Registration, OfLevelledScannersTurnsAboutTheVerticalOnly) {
     const SimulatedCave cave = testing::two_chambers();
     Site site;
