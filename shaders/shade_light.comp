@@ -35,64 +35,108 @@ layout(location = 2) uniform int last_row;
 layout(location = 4) uniform float wetness;   // 0..1
 
 const float kPi = 3.14159265359;
-// How much of an area light a pixel sees, by a few rays. Only what is partly seen takes all samples.
+// How much of an area light a pixel sees. Only what is partly seen takes all samples.
 const float kHidden = 0.0, kInFullView = 1.0, kPartlySeen = 2.0;
-const int kLookRow = -1;   // as first_row: look at the light and keep in direct's w what was seen
+const int kLookRow = -1;   // as first_row: look at the light and keep in direct's w what is seen
 // Leaf edges: a pixel lies on the points themselves, nearer to them than a leaf's mean does. More
 // lets light under the bumps of a wall that it grazes.
 const float kShadowOffset = 0.03;
 
-float look_at(Light area, vec3 position, vec3 normal) {
-    const vec2 places[5] = vec2[](vec2(0.5), vec2(0.08), vec2(0.92, 0.08), vec2(0.08, 0.92), vec2(0.92));
-    int seen = 0, hidden = 0;
-    for (int i = 0; i < 5; ++i) {
-        vec3 point = area.position.xyz + places[i].x * area.edge_u.xyz + places[i].y * area.edge_v.xyz;
-        vec3 to_lamp = point - position;
-        if (dot(normal, to_lamp) <= 0.0 || dot(area.axis.xyz, to_lamp) >= 0.0) continue;
-        bool sees = visible_from(position, normal, kShadowOffset * grid.voxel_size, point, area.tag,
-                                 area.axis.xyz);
-        seen += sees ? 1 : 0;
-        hidden += sees ? 0 : 1;
+struct Pixel {
+    vec4 surface;     // normal; w: depth
+    vec3 position, along;
+};
+
+// False where there is nothing to be lit: no surface, or a lamp itself.
+bool lit_pixel(uint index, out Pixel pixel) {
+    pixel.surface = surfaces[index];
+    vec3 origin, ray;
+    camera_ray(vec2(gl_GlobalInvocationID.xy) + 0.5, origin, ray);
+    pixel.along = octree_from_camera_direction(ray);
+    pixel.position = octree_from_camera(origin) + pixel.along * pixel.surface.w;
+    return pixel.surface.w > 0.0 && emission[index].w <= 0.0;
+}
+
+// A tile of 4 x 4 pixels looks at a light together: each pixel at 3 of a grid of 6 x 6 samples, each
+// sample seen by one pixel at least. Nothing that hides a sample from them all is missed, however
+// thin; where they do not agree, or lie on different surfaces, the light is partly seen.
+const uint kGrid = 6u, kLooks = 3u, kTilePixels = 16u;
+shared vec4 tile_surface[4];   // that of the tile's first pixel
+shared uint tile_seen[4], tile_hidden[4];
+
+void look(uint index, bool inside) {
+    uvec2 at = gl_LocalInvocationID.xy;
+    uint tile = at.y / 4u * 2u + at.x / 4u, place = at.y % 4u * 4u + at.x % 4u;
+    Pixel pixel;
+    bool lit = inside && lit_pixel(index, pixel);
+    if (place == 0u) {
+        tile_surface[tile] = lit ? pixel.surface : vec4(0.0);
+        tile_seen[tile] = 0u;
+        tile_hidden[tile] = 0u;
     }
-    if (seen + hidden < 5) return kPartlySeen;   // partly below the horizon: too few to tell
-    return hidden == 0 ? kInFullView : seen == 0 ? kHidden : kPartlySeen;
+    memoryBarrierShared();
+    barrier();
+    vec4 first = tile_surface[tile];
+    if (lit && dot(pixel.surface.xyz, first.xyz) > 0.9 &&
+        abs(pixel.surface.w - first.w) < 0.05 * first.w) {
+        Light area = lights[light];
+        for (uint i = place; i < kLooks * kTilePixels; i += kTilePixels) {
+            uint cell = i % (kGrid * kGrid);
+            vec2 on_area = (vec2(cell % kGrid, cell / kGrid) + 0.5) / float(kGrid);
+            vec3 point = area.position.xyz + on_area.x * area.edge_u.xyz +
+                         on_area.y * area.edge_v.xyz;
+            vec3 to_lamp = point - pixel.position;
+            // Below the horizon counts as neither: the light is cut by it.
+            if (dot(pixel.surface.xyz, to_lamp) <= 0.0 || dot(area.axis.xyz, to_lamp) >= 0.0) {
+                continue;
+            }
+            bool sees = visible_from(pixel.position, pixel.surface.xyz,
+                                     kShadowOffset * grid.voxel_size, point, area.tag,
+                                     area.axis.xyz);
+            atomicAdd(tile_seen[tile], sees ? 1u : 0u);
+            atomicAdd(tile_hidden[tile], sees ? 0u : 1u);
+        }
+    }
+    memoryBarrierShared();
+    barrier();
+    if (!inside) return;
+    direct[index].w = tile_seen[tile] == kLooks * kTilePixels     ? kInFullView
+                      : tile_hidden[tile] == kLooks * kTilePixels ? kHidden
+                                                                  : kPartlySeen;
 }
 
 void main() {
-    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, uvec2(view.width, view.height)))) return;
-    uint pixel = gl_GlobalInvocationID.y * view.width + gl_GlobalInvocationID.x;
-    vec4 surface = surfaces[pixel];
-    vec4 albedo = albedos[pixel];
-    if (surface.w <= 0.0 || emission[pixel].w > 0.0) return;   // nothing, or a lamp itself
-    vec3 origin, ray;
-    camera_ray(vec2(gl_GlobalInvocationID.xy) + 0.5, origin, ray);
-    vec3 along = octree_from_camera_direction(ray);
-    vec3 position = octree_from_camera(origin) + along * surface.w;
+    bool inside = all(lessThan(gl_GlobalInvocationID.xy, uvec2(view.width, view.height)));
+    uint index = gl_GlobalInvocationID.y * view.width + gl_GlobalInvocationID.x;
     if (first_row == kLookRow) {
-        direct[pixel].w = look_at(lights[light], position, surface.xyz);
+        look(index, inside);
         return;
     }
+    Pixel pixel;
+    if (!inside || !lit_pixel(index, pixel)) return;
     if (lights[light].kind == LIGHT_AREA) {
-        if (direct[pixel].w == kHidden) return;
-        in_full_view = direct[pixel].w == kInFullView;
+        if (direct[index].w == kHidden) return;
+        in_full_view = direct[index].w == kInFullView;
     }
     area_phase = (vec2(gl_GlobalInvocationID.xy % uint(sub_pixels)) + 0.5) / float(sub_pixels);
 
+    vec4 albedo = albedos[index];
+    vec3 normal = pixel.surface.xyz;
     float dry = 1.0;
 #ifdef WET
-    to_eye = -normalize(along);
-    surface_normal = film_normal(surface.xyz, to_eye);
+    to_eye = -normalize(pixel.along);
+    surface_normal = film_normal(normal, to_eye);
     alpha = glossy_alpha(albedo.w);
     dry = 1.0 - wetness * film_reflectance(dot(surface_normal, to_eye));
 #endif
     vec3 added = albedo.rgb * (dry / kPi) *
-                 direct_irradiance_of(light, position, surface.xyz,
+                 direct_irradiance_of(light, pixel.position, normal,
                                       kShadowOffset * grid.voxel_size, first_row, last_row);
-    direct[pixel].rgb += added;
+    direct[index].rgb += added;
 #ifdef WET
     vec3 mirrored = wetness * glossy_sum * lights[light].intensity.rgb;
-    specular[pixel].rgb += mirrored;
+    specular[index].rgb += mirrored;
     added += mirrored;
 #endif
-    beauty[pixel].rgb += added;
+    beauty[index].rgb += added;
 }

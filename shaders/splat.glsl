@@ -29,8 +29,11 @@ bool make_splat(vec3 centre, vec3 normal, float radius, out Splat splat) {
                        ? normalize(normal + (kFlattestCosine - cosine) * to_eye)
                        : normal;
     vec2 middle = pixel_of(centre);
-    // The sphere around the disc, as its nearer side projects it.
-    float reach = splat.radius * pixels_per_metre(max(centre.z - splat.radius, kNearDepth));
+    // The sphere around the disc, as its nearer side projects it, longer the farther off the axis:
+    // its tangents from the eye meet the picture within r / cos(theta) / (z - r) of its middle.
+    vec2 slope = view_is_orthographic() ? vec2(0.0) : centre.xy / centre.z;
+    vec2 reach = splat.radius * pixels_per_metre(max(centre.z - splat.radius, kNearDepth)) *
+                 sqrt(1.0 + slope * slope);
     vec2 low = clamp(floor(middle - reach), vec2(0.0), vec2(view.width, view.height));
     vec2 high = clamp(floor(middle + reach), vec2(-1.0), vec2(view.width, view.height) - 1.0);
     splat.lowest = ivec2(low);

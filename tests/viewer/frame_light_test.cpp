@@ -86,6 +86,75 @@ TEST(FrameLight, OnlyWetWallsMirrorAndALampShowsWhereAFlatMirrorWouldShowIt) {
     expect_no_errors(room.context);
 }
 
+/// Whether the way from `a` to `b` is clear of the box.
+bool passes_by(const Vec3d& a, const Vec3d& b, const Vec3d& low, const Vec3d& high) {
+    double enter = 0.0, leave = 1.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double t0 = (low[axis] - a[axis]) / (b[axis] - a[axis] + 1e-12);
+        const double t1 = (high[axis] - a[axis]) / (b[axis] - a[axis] + 1e-12);
+        enter = std::max(enter, std::min(t0, t1));
+        leave = std::min(leave, std::max(t0, t1));
+    }
+    return enter >= leave;
+}
+
+TEST(FrameLight, AThinBeamTakesItsShareOfAnAreaLight) {
+    const Context context = Context::headless();
+    SurfelCloud cloud = testing::closed_room({-2.0f, -1.5f, 0.0f}, {2.0f, 1.5f, 2.4f}, 0.03f);
+    const Vec3f low{-0.05f, -1.5f, 1.5f}, high{0.05f, 1.5f, 1.6f};
+    for (const int axis : {0, 2}) {
+        testing::add_wall(cloud, axis, low[axis], -1.0f, low, high, 0.015f);
+        testing::add_wall(cloud, axis, high[axis], 1.0f, low, high, 0.015f);
+    }
+    const Octree octree = build_octree(std::move(cloud), {.depth = 6});
+    const double edge = 0.7, height = 2.2;  // the light's half edge and where it hangs
+    Scene scene;
+    scene.area_lights.push_back({"panel",
+                                 {{-edge, edge, height},
+                                  {edge, edge, height},
+                                  {edge, -edge, height},
+                                  {-edge, -edge, height}},
+                                 {5, 5, 5}});
+    LightField light(context, octree.view(), scene);
+    Frame frame(context, octree.view(), {.selection = {}, .wetness = 0.0f, .samples = 1});
+    const View view = view_of(camera_at({-1.2, 0.1, 1.2}, {0.2, 0.0, 0.0}, 64, 48));
+    const FrameLayers layers = frame.render(view, light);
+
+    double is = 0, should = 0, unshadowed = 0;
+    int pixels = 0;
+    for (int py = 0; py < 48; ++py) {
+        for (int px = 0; px < 64; ++px) {
+            const ViewRay ray = ray_through(view, px + 0.5, py + 0.5);
+            const Vec3d floor = ray.origin + ray.direction * (-ray.origin.z / ray.direction.z);
+            if (ray.direction.z >= 0 || std::abs(floor.x) > 0.9 || std::abs(floor.y) > 1.2 ||
+                !passes_by(ray.origin, floor, vec3_cast<double>(low), vec3_cast<double>(high)))
+                continue;
+            constexpr int kSide = 60;
+            double all = 0, seen = 0;
+            for (int i = 0; i < kSide * kSide; ++i) {
+                const Vec3d point{edge * (2.0 * (i % kSide + 0.5) / kSide - 1.0),
+                                  edge * (2.0 * (i / kSide + 0.5) / kSide - 1.0), height};
+                const Vec3d way = point - floor;
+                const double share = std::pow(height, 2.0) / std::pow(dot(way, way), 2.0);
+                all += share;
+                if (passes_by(floor, point, vec3_cast<double>(low), vec3_cast<double>(high)))
+                    seen += share;
+            }
+            if (seen > 0.97 * all) continue;
+            const double scale = 0.5 / M_PI * 5.0 * std::pow(2.0 * edge / kSide, 2.0);
+            is += layers.direct[static_cast<std::size_t>(py * 64 + px)].x;
+            should += scale * seen;
+            unshadowed += scale * all;
+            ++pixels;
+        }
+    }
+    std::cout << pixels << " pixels in the beam's shadow: " << is / should - 1.0
+              << " off in the mean; without the shadow " << unshadowed / should - 1.0 << "\n";
+    ASSERT_GT(pixels, 200);
+    EXPECT_NEAR(is / should, 1.0, 0.02);
+    expect_no_errors(context);
+}
+
 /// The inside of a sphere of radius 1 m round the origin.
 SurfelCloud sphere(int count) {
     SurfelCloud cloud;

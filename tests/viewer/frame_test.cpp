@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <iostream>
 #include <random>
 
@@ -78,6 +79,15 @@ TEST(Frame, LeavesNoHoleInAClosedRoomSeenFromTwentyPlaces) {
     EXPECT_LT(sum / double(pixels), 0.001) << "m";
     EXPECT_LT(worst, 0.08) << "m: two spacings, in the corners";
     EXPECT_THAT(room.context.errors(), IsEmpty());
+}
+
+TEST(Frame, LeavesNoHoleInAVeryWideView) {
+    Room room;
+    Camera camera = camera_at({-1.7, 0.2, 1.1}, {2.0, 0.0, 1.0}, 96, 72);
+    camera.vfov_deg = 165.0;
+    const FrameLayers layers = room.frame.render(view_of(camera), room.light);
+    const auto holes = std::count(layers.depth.begin(), layers.depth.end(), 0.0f);
+    EXPECT_EQ(holes, 0) << "of " << layers.depth.size() << " pixels";
 }
 
 TEST(Frame, ShadesALambertianWallByTheFormula) {
