@@ -12,6 +12,9 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// Beyond any place or lamp, and with squares that floats still hold: light stays finite.
+constexpr double kLargest = 1e12;
+
 /// One object of the file with the words to name it by when something in it is wrong.
 struct Entry {
     const Json& json;
@@ -28,8 +31,8 @@ struct Entry {
     }
 
     double number(const Json& value, const std::string& key) const {
-        if (!value.is_number() || !std::isfinite(value.get<double>())) {
-            fail(key, "must be made of finite numbers");
+        if (!value.is_number() || !(std::abs(value.get<double>()) <= kLargest)) {
+            fail(key, "must be made of finite numbers, none beyond 1e12");
         }
         return value.get<double>();
     }

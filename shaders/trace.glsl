@@ -4,7 +4,10 @@
 #include "octree.glsl"
 
 const float kLeastOffset = 0.25;     // leaf edges: how far a ray starts off its lobe
-const float kPointOffset = 0.1;      // leaf edges: how far off a point of the surface itself
+// Leaf edges: how far a ray starts off a point of the surface itself, which lies nearer to the
+// samples than a leaf's mean does. More looks past the rims of what shadows the point, and lets light
+// under the bumps of a wall that it grazes.
+const float kPointOffset = 0.03;
 const float kSigmasOff = 3.0;        // of the samples' scatter about the lobe's plane
 const float kLeastDistance = 0.5;    // leaf edges: the surface it leaves is not met nearer
 const float kSameSurface = 0.5;      // cosine of 60 degrees

@@ -49,6 +49,27 @@ TEST(Scene, AMissingKeyIsNamed) {
                          ::testing::HasSubstr("missing")));
 }
 
+TEST(Scene, LightThatIsNoFiniteNumberIsRefusedWithASentence) {
+    for (const std::string number : {"NaN", "Infinity", "-Infinity", "1e999", "1e300", "null"}) {
+        const std::string lamp = R"({"lights":[{"type":"point","name":"lamp","position":[1,2,3],
+            "radiant_intensity":[1,)" +
+                                 number + ",1]}]}";
+        EXPECT_THAT(sentence_of(lamp), ::testing::AnyOf(::testing::HasSubstr("finite"),
+                                                        ::testing::HasSubstr("not a scene")))
+            << number;
+        const std::string panel = R"({"lights":[{"type":"area","name":"panel",
+            "corners":[[0,0,0],[1,0,0],[1,1,0],[0,1,0]],"radiance":[)" +
+                                  number + ",1,1]}]}";
+        EXPECT_NE(sentence_of(panel), "") << number;
+    }
+    EXPECT_THAT(sentence_of(R"({"lights":[{"type":"point","name":"lamp","position":[1e300,2,3],
+        "radiant_intensity":[1,1,1]}]})"),
+                ::testing::HasSubstr("'lamp'"));
+    EXPECT_THAT(sentence_of(R"({"lights":[{"type":"point","name":"lamp","position":[1,2,3],
+        "radiant_intensity":[1,-1,1]}]})"),
+                ::testing::HasSubstr("negative"));
+}
+
 TEST(Scene, NonsenseIsRefusedWithASentence) {
     EXPECT_THAT(sentence_of("not json"), ::testing::HasSubstr("not a scene"));
     EXPECT_THAT(sentence_of(R"({"lights":[3]})"), ::testing::HasSubstr("must be an object"));

@@ -163,7 +163,7 @@ TEST(Light, TheGpuMeasuresWhatTheFormulasOnTheCpuSay) {
         for (std::size_t i = 0; i < probes.size(); ++i) {
             const Vec3f at = vec3_cast<float>(probes[i].position - view.grid.origin);
             const Vec3d d = testing::direct_irradiance(view, {}, scene, at, probes[i].normal,
-                                                       0.1f * view.grid.voxel_size());
+                                                       0.03f * view.grid.voxel_size());
             const Vec3d e =
                 testing::look_up(view, indirect, at, probes[i].normal, tricubic).irradiance;
             for (int c = 0; c < 3; ++c) {
