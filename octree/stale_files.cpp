@@ -13,6 +13,8 @@ namespace {
 
 constexpr auto kSettled = std::chrono::minutes(1);  ///< long after whoever made it holds it
 
+}  // namespace
+
 bool is_held(const std::filesystem::path& path) {
     const int descriptor = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     if (descriptor < 0) return true;
@@ -20,8 +22,6 @@ bool is_held(const std::filesystem::path& path) {
     ::close(descriptor);
     return !free;
 }
-
-}  // namespace
 
 void hold(int descriptor) {
     ::flock(descriptor, LOCK_EX | LOCK_NB);

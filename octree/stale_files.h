@@ -9,6 +9,9 @@ namespace glowworm {
 /// program ends, however it ends.
 void hold(int descriptor);
 
+/// Whether some program holds the file or folder, or it cannot be opened to find out.
+bool is_held(const std::filesystem::path& path);
+
 /// Removes what killed programs left behind: files and folders in `folder` whose names begin with
 /// `prefix` and contain `mark`, that nobody holds and nobody has changed for a minute. Failures are
 /// passed over: another program may be doing the same.

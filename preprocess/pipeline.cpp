@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "octree/area_lights.h"
+#include "octree/checksums.h"
 #include "octree/error.h"
 #include "octree/octree_file.h"
 #include "preprocess/pipeline/checkpoint.h"
@@ -61,6 +62,17 @@ std::vector<Scan> gather(std::vector<Ingested> ingested, const BuildSettings& bu
     conversion.warnings = preflight(facts);
     require_reachable(build, facts);
     return scans;
+}
+
+/// Whether the octree an earlier run kept is whole.
+bool is_sound(const std::filesystem::path& path) {
+    if (!std::filesystem::exists(path)) return false;
+    try {
+        const OctreeFile file = OctreeFile::open(path);
+        return check_checksums(file).empty();
+    } catch (const Error&) {
+        return false;
+    }
 }
 
 /// Each stage takes what it kept, else makes it of what the stage before has, and keeps it.
@@ -127,7 +139,7 @@ class Stages {
 
     void octree() {
         const std::filesystem::path file = octree_part(work_);
-        if (load_report(work_, "built", keys_.octree, done) && std::filesystem::exists(file)) {
+        if (load_report(work_, "built", keys_.octree, done) && is_sound(file)) {
             registered_(done.registration);
             return;
         }

@@ -79,8 +79,8 @@ void write_with_links(const std::filesystem::path& file, std::uint32_t links, Ru
     octree.links = traced;
     octree.links_per_lobe = links;
     run.console.phase("write", "bytes");
-    write_octree_file(octree, run.flags.output);
     unlinked.require_intact();
+    write_octree_file(octree, run.flags.output);
 }
 
 nlohmann::ordered_json run_build(Run& run, const BuildCommandFlags& flags) {

@@ -37,9 +37,9 @@ CLI::App* Program::add(const std::string& name, const std::string& summary, bool
     command->add_flag("--resume", flags.resume,
                       "go on from what an earlier run left; nothing to do where it is done");
     if (!plan && needs_output) {
-        plan = [name](Run&) -> nlohmann::ordered_json {
-            throw Error(ExitCode::kUsage,
-                        fmt::format("'{}' predicts nothing; leave --dry-run out", name));
+        plan = [name](Run& run) -> nlohmann::ordered_json {
+            run.last_word = fmt::format("'{}' predicts nothing; nothing was written", name);
+            return {{"output", run.flags.output.string()}, {"dry_run", true}};
         };
     }
     command->final_callback([this, resumable, work = std::move(work), plan = std::move(plan)] {

@@ -107,9 +107,9 @@ void require_free(const SharedFlags& flags, const WorkFolder& work) {
     if (text.empty() || text != kept_poses(work)) require_writable_output(poses, false);
 }
 
-/// Adds the links and writes the octree under its final name.
-void write_output(const WorkFolder& work, std::uint32_t links_per_lobe, Run& run,
-                  TimedPhases& phases) {
+/// Adds the links and writes the octree under its final name, and the poses beside it.
+void write_output(const WorkFolder& work, const Poses& poses, std::uint32_t links_per_lobe,
+                  Run& run, TimedPhases& phases) {
     const OctreeFile built = OctreeFile::open(octree_part(work));
     OctreeView octree = built.view();
     std::vector<std::uint32_t> links;
@@ -122,6 +122,7 @@ void write_output(const WorkFolder& work, std::uint32_t links_per_lobe, Run& run
     }
     phases.begin("write", "bytes");
     built.require_intact();
+    write_poses(poses, poses_of(run.flags.output));
     write_octree_file(octree, run.flags.output);
     phases.end();
     run.console.end_phase();
@@ -159,8 +160,7 @@ Json work_on(Run& run, const ConvertFlags& flags, std::span<const ScanInput> inp
     }
     say_surface(done.surface);
     say_octree(OctreeFile::open(octree_part(work)).view());
-    write_poses(done.registration.poses, poses);
-    write_output(work, flags.settings.links, run, phases);
+    write_output(work, done.registration.poses, flags.settings.links, run, phases);
     if (!flags.report.empty()) {
         write_run_page(flags.report, output, done, inputs, flags.settings, work, phases.times());
         spdlog::info("what there is to see at a glance is in {}", flags.report.string());
@@ -196,8 +196,9 @@ Json run_convert(Run& run, ConvertFlags flags) {
     if (!flags.build.lights.empty()) read.push_back(flags.build.lights);
     const std::string settings = settings_hash(flags.settings);
     const std::string state = state_of(read, settings + GLOWWORM_VERSION);
-    const bool may_be_done = run.flags.resume && flags.until == "links";
-    if (may_be_done && fs::exists(output) && !state.empty() && remembered_state(output) == state) {
+    const bool may_be_done = run.flags.resume && flags.until == "links" && fs::exists(output) &&
+                             fs::exists(poses_of(output));
+    if (may_be_done && !state.empty() && remembered_state(output) == state) {
         return nothing_to_do(run);
     }
     Workload announced = announced_work(files, flags.settings.read);
@@ -211,8 +212,7 @@ Json run_convert(Run& run, ConvertFlags flags) {
 
     // 2. Alone from here on.
     const WorkFolder work(output, run.flags.temp_dir);
-    if (may_be_done && fs::exists(output) &&
-        provenance_of(output) == flags.settings.build.provenance) {
+    if (may_be_done && provenance_of(output) == flags.settings.build.provenance) {
         work.remove();
         remember_state(output, state);
         return nothing_to_do(run);

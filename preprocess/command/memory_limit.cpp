@@ -50,9 +50,12 @@ void limit_memory(std::uint64_t bytes, int threads) {
     const std::uint64_t usable = bytes - std::min(bytes / 2, kProgramPages) +
                                  kStack * static_cast<std::uint64_t>(std::max(threads, 1));
     struct rlimit limit = {};
-    if (::getrlimit(RLIMIT_DATA, &limit) != 0) return;
+    const bool known = ::getrlimit(RLIMIT_DATA, &limit) == 0;
     limit.rlim_cur = std::min<rlim_t>(usable, limit.rlim_max);
-    ::setrlimit(RLIMIT_DATA, &limit);
+    if (known && ::setrlimit(RLIMIT_DATA, &limit) == 0) return;
+    throw Error(ExitCode::kBudget,
+                "the system does not hold programs to a limit of memory; leave "
+                "--memory-limit out");
 }
 
 }  // namespace glowworm

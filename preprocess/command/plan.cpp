@@ -139,7 +139,6 @@ nlohmann::ordered_json plan_work(Run& run, const std::vector<fs::path>& files,
 
     Workload work{.scans = std::max<std::size_t>(1, scans.size()), .points = points};
     for (const ScanFacts& scan : facts)
-        work.largest_scan = std::max(work.largest_scan, scan.counts.kept);
     work.spacing = spacing_of(scans);
     work.extent = scans.empty() ? 0.0 : extent_of(scans);
     work.depth = build.depth;

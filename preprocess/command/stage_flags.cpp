@@ -159,14 +159,6 @@ void add_surface_flags(CLI::App& command, SurfaceSettings& settings) {
         "where a moving scanner was, lines of \"time x y z\" or \"x y z\": normals face it");
 }
 
-void bake_links(Octree& octree, std::uint32_t links, const Progress& progress) {
-    if (links == 0) return;
-    octree.links = trace_links(octree.view(), {.rays = links}, progress);
-    octree.links_per_lobe = links;
-    spdlog::info("{} links a lobe are in the file, {}; --links 0 leaves them out", links,
-                 format_bytes(octree.links.size() * sizeof(std::uint32_t)));
-}
-
 nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const Warning& warning : warnings) {
@@ -222,7 +214,7 @@ void say_surface(const SurfaceReport& report) {
             format_count(report.facing_outside));
     }
     if (report.weak > 0) {
-        spdlog::info("{} normals are weakly determined: expected to be off by more than 11 degrees",
+        spdlog::info("weakly determined normals, expected to be off by more than 11 degrees: {}",
                      format_count(report.weak));
     }
     spdlog::info("albedo from {}; range noise {:.1f} mm; spacing {:.1f} mm; mean NDF length {:.3f}",

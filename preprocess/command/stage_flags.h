@@ -58,10 +58,6 @@ void add_surface_flags(CLI::App& command, SurfaceSettings& settings);
 nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings);
 nlohmann::ordered_json surface_json(const SurfaceReport& report);
 
-/// Traces `links` rays per lobe and keeps them in `octree`, so that a viewer starts with bounces;
-/// says what they add to the file. Nothing for 0.
-void bake_links(Octree& octree, std::uint32_t links, const Progress& progress);
-
 /// What was found and decided, for people, in the log.
 void say_warnings(const std::vector<Warning>& warnings);
 void say_surface(const SurfaceReport& report);

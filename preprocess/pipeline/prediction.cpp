@@ -83,9 +83,8 @@ Prediction predict(const Workload& work, int threads) {
     p.surfels = static_cast<std::uint64_t>(surfels);
     p.leaves = static_cast<std::uint64_t>(leaves);
 
-    const double in_work = std::min(points, static_cast<double>(work.largest_scan) * threads);
     const auto bytes = [](double value) { return static_cast<std::uint64_t>(value); };
-    p.read_memory = bytes(kProgram + kReadPoint * std::max(points, in_work));
+    p.read_memory = bytes(kProgram + kReadPoint * points);
     p.surface_memory = bytes(kProgram + kSurfacePoint * surfels);
     p.build_memory = bytes(kProgram + std::max(kBuildSurfel * surfels + kBuildLeaf * leaves,
                                                kLinkedLeaf * leaves + kLink * links));
@@ -130,7 +129,6 @@ Workload announced_work(std::span<const std::filesystem::path> files,
     for (const std::filesystem::path& file : files) {
         const std::uint64_t points = announced_points(file, settings, work.scans);
         work.points += points;
-        work.largest_scan = std::max(work.largest_scan, points);
     }
     work.scans = std::max<std::size_t>(work.scans, 1);
     return work;

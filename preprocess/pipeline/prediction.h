@@ -14,7 +14,6 @@ namespace glowworm {
 struct Workload {
     std::size_t scans = 1;
     std::uint64_t points = 0;        ///< of all scans
-    std::uint64_t largest_scan = 0;  ///< points
     double spacing = 0.0;            ///< m, median distance to the nearest point; 0: not looked
     double extent = 0.0;             ///< m, longest side of what all scans span; 0: not looked
     std::optional<std::uint32_t> depth = {};

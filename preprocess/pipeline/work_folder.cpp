@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "octree/error.h"
+#include "octree/stale_files.h"
 #include "preprocess/pipeline/hash.h"
 
 namespace glowworm {
@@ -68,8 +69,10 @@ int try_lock(const fs::path& folder, WorkFolder::Hold hold) {
         refuse(folder, errno);
     }
     const int kind = hold == WorkFolder::Hold::kAlone ? LOCK_EX : LOCK_SH;
-    if (::flock(lock, kind | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    if (::flock(lock, kind | LOCK_NB) != 0) {
+        const int error = errno;
         ::close(lock);
+        if (error != EWOULDBLOCK) refuse(folder, error);
         throw Error(ExitCode::kExists,
                     fmt::format("another run is working in '{}' now; wait for it to end or choose "
                                 "another output",
@@ -99,8 +102,10 @@ void remove_abandoned(const fs::path& output) {
         int process = 0;
         const char* digits = name.data() + start.size();
         if (std::from_chars(digits, name.data() + name.size(), process).ec != std::errc()) continue;
+        // No process of that number here may still be one on another machine, which holds its file.
+        const bool gone = process > 0 && ::kill(process, 0) != 0 && errno == ESRCH;
         std::error_code ignored;
-        if (process > 0 && ::kill(process, 0) != 0 && errno == ESRCH) fs::remove(file, ignored);
+        if (gone && !is_held(file)) fs::remove(file, ignored);
     }
 }
 

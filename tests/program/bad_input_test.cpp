@@ -72,7 +72,7 @@ TEST(BadInput, ATrajectoryThatIsNotThereOrHoldsNoPoses) {
 
 TEST(BadInput, AnUnknownKind) {
     const ScratchFolder folder, results;
-    write_text(folder / "what.bin", std::string("\x01\x02\x03\x04 what is this\x00\xff", 24));
+    write_text(folder / "what.bin", std::string("\x01\x02\x03\x04 what is this\x00\xff", 19));
     expect_refused(glowworm({"convert", folder / "what.bin", "-o", results / "cave.svo"}), 3,
                    "what.bin");
     EXPECT_THAT(names_in(results.path()), IsEmpty());
