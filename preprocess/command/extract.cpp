@@ -40,7 +40,8 @@ nlohmann::ordered_json run_extract(Run& run, const ExtractFlags& flags) {
     const std::filesystem::path& output = run.flags.output;
     require_distinct(output, {flags.input});
     if (flags.level.has_value() == !flags.box.empty()) {
-        throw Error(ExitCode::kUsage, "extract needs either --level N or --box, not both");
+        throw Error(ExitCode::kUsage,
+                    "extract takes one of --level N (voxels as points) and --box (a part cut out)");
     }
     for (std::size_t axis = 0; axis + 3 < flags.box.size(); ++axis) {
         if (flags.box[axis] <= flags.box[axis + 3]) continue;

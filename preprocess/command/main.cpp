@@ -69,8 +69,10 @@ int run(int argc, char** argv) {
     } catch (const CLI::ParseError& error) {
         const bool asked_for_text = error.get_exit_code() == 0;
         if (asked_for_text) return app.exit(error);
+        const auto given = app.get_subcommands();
         throw Error(ExitCode::kUsage,
-                    fmt::format("{}; `glowworm --help` shows what there is", error.what()));
+                    fmt::format("{}; `glowworm {}--help` shows what there is", error.what(),
+                                given.empty() ? "" : given.front()->get_name() + " "));
     }
 
     if (!flags.output.empty()) {

@@ -94,6 +94,10 @@ void print(const OctreeStatistics& s, const std::filesystem::path& path) {
     fmt::print("samples     {} ({} dropped)\n", format_count(s.samples), format_count(s.dropped));
     fmt::print("extent      {:.2f} x {:.2f} x {:.2f} m, surface {:.1f} m2, spacing {:.1f} mm\n",
                size.x, size.y, size.z, s.total_area, s.mean_spacing * 1e3);
+    const Vec3d low = s.grid.origin + vec3_cast<double>(s.bounds_min);
+    const Vec3d high = s.grid.origin + vec3_cast<double>(s.bounds_max);
+    fmt::print("bounds      {:.3f} {:.3f} {:.3f} to {:.3f} {:.3f} {:.3f} m\n", low.x, low.y, low.z,
+               high.x, high.y, high.z);
     fmt::print("origin      {:.3f} {:.3f} {:.3f} m\n", s.grid.origin.x, s.grid.origin.y,
                s.grid.origin.z);
     fmt::print("leaves      {} at depth {}, {:.2f} cm, {} lobes\n", format_count(s.leaves),
