@@ -2,16 +2,35 @@
 
 #include <unistd.h>
 
+#include <iterator>
 #include <string>
 #include <system_error>
 
 #include "octree/error.h"
 
 namespace glowworm {
+namespace {
+
+/// Names like /dev/stdout, which may lead to a regular file: a rename would take the name's place.
+bool is_of_the_system(const std::filesystem::path& path) {
+    std::error_code ignored;
+    const auto folder = std::filesystem::weakly_canonical(
+        path.has_parent_path() ? path.parent_path() : std::filesystem::path("."), ignored);
+    auto part = folder.begin();
+    if (part == folder.end() || ++part == folder.end()) return false;
+    const bool shared_memory = *part == "dev" && std::next(part) != folder.end();
+    return (*part == "dev" && !shared_memory) || *part == "proc" || *part == "sys";
+}
+
+}  // namespace
 
 void require_writable_output(const std::filesystem::path& path, bool force) {
     std::error_code ignored;
     const std::string name = "the output '" + path.string() + "'";
+    if (path.empty()) throw Error(ExitCode::kUsage, "the output has no name; give one");
+    if (is_of_the_system(path)) {
+        throw Error(ExitCode::kUsage, name + " is no regular file; name a file");
+    }
     const auto status = std::filesystem::status(path, ignored);
     if (std::filesystem::is_directory(status)) {
         throw Error(ExitCode::kUsage, name + " is a folder; name a file");

@@ -172,6 +172,8 @@ Json work_on(Run& run, const ConvertFlags& flags, std::span<const ScanInput> inp
 /// What a run that did not end well says: the same sentence, and where its work is kept.
 [[noreturn]] void say_what_is_kept(const Error& error, const WorkFolder& work) {
     std::string sentence = error.what();
+    const bool again_the_same = error.code() == ExitCode::kDegenerate;
+    if (again_the_same) work.remove();
     if (work.keeps_anything()) {
         sentence += fmt::format("; what is done is kept in '{}', the same command goes on from it",
                                 work.path().string());

@@ -1,9 +1,12 @@
 #include "preprocess/command/log_file.h"
 
 #include <fmt/format.h>
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+
+#include <nlohmann/json.hpp>
 
 #include "octree/error.h"
 #include "preprocess/command/octree_info.h"
@@ -13,6 +16,21 @@ namespace glowworm {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// A message as a JSON string.
+class JsonText : public spdlog::custom_flag_formatter {
+  public:
+    void format(const spdlog::details::log_msg& message, const std::tm&,
+                spdlog::memory_buf_t& out) override {
+        const std::string text =
+            nlohmann::json(std::string(message.payload.data(), message.payload.size()))
+                .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+        out.append(text.data(), text.data() + text.size());
+    }
+    std::unique_ptr<custom_flag_formatter> clone() const override {
+        return std::make_unique<JsonText>();
+    }
+};
 
 void require_log_file(const fs::path& path, const CLI::App& command) {
     std::error_code ignored;
@@ -66,6 +84,11 @@ void set_up_log(const SharedFlags& flags, const CLI::App& command) {
     }
     auto logger = std::make_shared<spdlog::logger>("glowworm", sinks.begin(), sinks.end());
     logger->set_pattern("%^%l%$: %v");
+    if (flags.progress == "json") {
+        auto lines = std::make_unique<spdlog::pattern_formatter>();
+        lines->add_flag<JsonText>('*').set_pattern(R"({"log":"%l","sentence":%*})");
+        sinks.front()->set_formatter(std::move(lines));
+    }
     logger->set_level(flags.quiet     ? spdlog::level::err
                       : flags.verbose ? spdlog::level::debug
                                       : spdlog::level::info);

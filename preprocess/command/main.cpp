@@ -1,8 +1,12 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string_view>
 
 #include <exception>
 #include <new>
@@ -105,8 +109,23 @@ int run(int argc, char** argv) {
     return static_cast<int>(ExitCode::kDone);
 }
 
-int say(ExitCode code, const std::string& sentence) {
-    fmt::print(stderr, "glowworm: {}\n", sentence);
+/// Whether stderr is to hold one JSON object a line; asked before and whether or not flags parse.
+bool speaks_json(std::span<char*> words) {
+    for (std::size_t i = 1; i < words.size(); ++i) {
+        const std::string_view word = words[i], before = words[i - 1];
+        if (word == "--progress=json" || (before == "--progress" && word == "json")) return true;
+    }
+    return false;
+}
+
+int say(std::span<char*> words, ExitCode code, const std::string& sentence) {
+    if (speaks_json(words)) {
+        const nlohmann::ordered_json line = {{"log", "error"}, {"sentence", sentence}};
+        fmt::print(stderr, "{}\n",
+                   line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    } else {
+        fmt::print(stderr, "glowworm: {}\n", sentence);
+    }
     return static_cast<int>(code);
 }
 
@@ -115,14 +134,16 @@ int say(ExitCode code, const std::string& sentence) {
 
 int main(int argc, char** argv) {
     using glowworm::ExitCode;
+    const std::span words(argv, static_cast<std::size_t>(argc));
     try {
         return glowworm::run(argc, argv);
     } catch (const glowworm::Error& error) {
-        return glowworm::say(error.code(), error.what());
+        return glowworm::say(words, error.code(), error.what());
     } catch (const std::bad_alloc&) {
-        return glowworm::say(ExitCode::kBudget,
+        return glowworm::say(words, ExitCode::kBudget,
                              "out of memory; give more with --memory-limit, or use fewer scans");
     } catch (const std::exception& error) {
-        return glowworm::say(ExitCode::kInternal, fmt::format("internal error: {}", error.what()));
+        return glowworm::say(words, ExitCode::kInternal,
+                             fmt::format("internal error: {}", error.what()));
     }
 }

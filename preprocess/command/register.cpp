@@ -74,6 +74,7 @@ nlohmann::ordered_json run_register(Run& run, RegisterFlags flags) {
 
     if (!run.flags.json) fmt::print("{}", trust_table(registration));
     if (!registration.trustworthy()) {
+        if (run.flags.json) fmt::print("{}\n", format_poses(registration.poses));
         throw Error(ExitCode::kNotTrustworthy,
                     fmt::format("{}; '{}' says how far each was trusted", distrust(registration),
                                 run.flags.output.string()));
