@@ -102,7 +102,7 @@ class Session {
     View drawn_;                  // what the frame shows
     std::optional<Vec3d> pivot_;  // what a drag turns round
     std::optional<Vec3d> chosen_pivot_;
-    int dragged_lamp_ = -1;
+    int dragged_lamp_ = -1;  // none once the lamps are others
 
     int shown_ = 0;          // pictures
     double moved_at_ = 0.0;  // s, of now_seconds()

@@ -106,7 +106,7 @@ void Session::carry_out(const Request& request) {
                 break;
             }
             state_.lamps.erase(state_.lamps.begin() + state_.selected);
-            state_.selected = -1;
+            state_.selected = dragged_lamp_ = -1;
             break;
         case Command::kUndo:
             step_history(true);
@@ -180,6 +180,7 @@ void Session::add_lamp(int preset, const Vec3d& position, const Vec3d& direction
     });
     state_.selected = static_cast<int>(end - state_.lamps.begin());
     state_.lamps.insert(end, lamp);
+    dragged_lamp_ = -1;
     state_.message = fmt::format("added '{}'", lamp.name);
 }
 
@@ -203,6 +204,7 @@ void Session::finish_measuring() {
 void Session::step_history(bool back) {
     state_.lamps = back ? history_.undo() : history_.redo();
     state_.selected = std::min(state_.selected, static_cast<int>(state_.lamps.size()) - 1);
+    dragged_lamp_ = -1;
 }
 
 void Session::add_keyframe() {

@@ -68,7 +68,7 @@ void Session::load_scene(const std::filesystem::path& path) {
         state_.headlamp_on = headlamp.has_value();
         if (headlamp) state_.headlamp_intensity = headlamp->radiant_intensity;
         state_.lamps = lamps_of(scene);
-        state_.selected = -1;
+        state_.selected = dragged_lamp_ = -1;
         if (!scene.cameras.empty()) {
             navigator_.go_to(scene.cameras.front());
         }

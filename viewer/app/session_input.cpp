@@ -79,7 +79,7 @@ void Session::take_drag() {
         if (dragged_lamp_ >= 0) state_.selected = dragged_lamp_;
     }
     if (in.drag_x == 0 && in.drag_y == 0) return;
-    if (dragged_lamp_ >= 0) {
+    if (dragged_lamp_ >= 0 && dragged_lamp_ < static_cast<int>(state_.lamps.size())) {
         Lamp& lamp = state_.lamps[static_cast<std::size_t>(dragged_lamp_)];
         const auto wall = pick(in.cursor_x, in.cursor_y);
         if (wall && lamp.kind != LampKind::kArea) {
