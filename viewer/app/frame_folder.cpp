@@ -1,14 +1,16 @@
 #include "viewer/app/frame_folder.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
-#include <vector>
+#include <set>
 
 #include "octree/error.h"
 #include "octree/output_path.h"
+#include "octree/stale_files.h"
 
 namespace glowworm {
 namespace {
@@ -27,19 +29,36 @@ bool is_frame(const fs::path& path) {
                        [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
-/// The frames of an earlier flight.
-std::vector<fs::path> frames_in(const fs::path& folder) {
-    std::vector<fs::path> frames;
-    std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-        if (is_frame(entry.path())) frames.push_back(entry.path());
-    }
-    return frames;
-}
-
 [[noreturn]] void fail(const fs::path& path, const std::string& why) {
     throw Error(ExitCode::kUnreadable,
                 fmt::format("the folder '{}' cannot be written: {}", path.string(), why));
+}
+
+/// The names of the frames in a folder.
+std::set<fs::path> frames_in(const fs::path& folder) {
+    std::set<fs::path> names;
+    std::error_code failure;
+    for (fs::directory_iterator at(folder, failure), end; !failure && at != end;
+         at.increment(failure)) {
+        if (is_frame(at->path())) names.insert(at->path().filename());
+    }
+    if (failure) fail(folder, failure.message());
+    return names;
+}
+
+/// A new folder in `parent` for the frames of `output` until all are there; those of killed flights
+/// go.
+fs::path make_unfinished(const fs::path& parent, const fs::path& output) {
+    const std::string prefix = fmt::format(".{}.", output.filename().string());
+    constexpr const char* kMark = ".partial";
+    remove_stale(parent, prefix, kMark);
+    // A killed flight may have had our process id, and still count as somebody's.
+    for (int number = 0;; ++number) {
+        const fs::path path = parent / fmt::format("{}{}.{}{}", prefix, ::getpid(), number, kMark);
+        std::error_code failure;
+        if (fs::create_directory(path, failure)) return path;
+        if (failure) fail(output, failure.message());
+    }
 }
 
 }  // namespace
@@ -67,16 +86,16 @@ void FrameFolder::require_writable(const fs::path& output, bool force) {
 
 FrameFolder::FrameFolder(const fs::path& path, const std::string& ending)
     : path_(without_slash(path)), ending_(ending), existed_(fs::is_directory(path_)) {
-    const std::string hidden = fmt::format(".{}.{}.partial", path_.filename().string(), ::getpid());
-    unfinished_ = (existed_ ? path_ : path_.parent_path()) / hidden;
-    std::error_code failure;
-    fs::create_directory(unfinished_, failure);
-    if (failure) fail(path_, failure.message());
+    const fs::path beside = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
+    unfinished_ = make_unfinished(existed_ ? path_ : beside, path_);
+    descriptor_ = ::open(unfinished_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor_ >= 0) hold(descriptor_);
 }
 
 FrameFolder::~FrameFolder() {
     std::error_code ignored;
     fs::remove_all(unfinished_, ignored);
+    if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 fs::path FrameFolder::frame(int number) const {
@@ -90,10 +109,15 @@ void FrameFolder::finish() const {
         if (failure) fail(path_, failure.message());
         return;
     }
-    for (const fs::path& old : frames_in(path_))
-        fs::remove(old, failure);
-    for (const fs::path& frame : frames_in(unfinished_)) {
-        fs::rename(frame, path_ / frame.filename(), failure);
+    const std::set<fs::path> frames = frames_in(unfinished_), old = frames_in(path_);
+    // Each takes its predecessor's place at once: no frame is ever missing.
+    for (const fs::path& frame : frames) {
+        fs::rename(unfinished_ / frame, path_ / frame, failure);
+        if (failure) fail(path_, failure.message());
+    }
+    for (const fs::path& frame : old) {
+        if (frames.contains(frame)) continue;
+        fs::remove(path_ / frame, failure);
         if (failure) fail(path_, failure.message());
     }
 }

@@ -21,13 +21,15 @@ class FrameFolder {
 
     /// Where frame `number` is to be written until the folder is finished.
     std::filesystem::path frame(int number) const;
-    /// Frames of an earlier flight go, these take their place; other files stay.
+    /// The frames take the place of an earlier flight's, what that had more goes; other files
+    /// stay. Throws Error (kUnreadable) where one cannot be moved or removed.
     void finish() const;
 
   private:
     std::filesystem::path path_, unfinished_;
     std::string ending_;
     bool existed_;
+    int descriptor_ = -1;  // holds the unfinished folder
 };
 
 }  // namespace glowworm
