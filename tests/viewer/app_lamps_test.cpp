@@ -55,6 +55,29 @@ TEST(Lamps, AreDarkButThereWhenTheyAreOff) {
     EXPECT_EQ(dark.area_lights[0].radiance, (Vec3f{}));
 }
 
+TEST(Lamps, AreSavedWithTheirStrengthWhenTheyAreOffAndAreOffWhenReadBack) {
+    const Scene scene = scene_of_text(kScene);
+    std::vector<Lamp> lamps = lamps_of(scene);
+    lamps[0].on = lamps[2].on = false;
+    const Scene again = scene_of_text(scene_json(saved_with_lamps(scene, lamps)));
+    EXPECT_EQ(lamps_of(again), lamps) << "their strength and unknown keys included";
+    EXPECT_EQ(again.point_lights[0].radiant_intensity, (Vec3f{4, 5, 6}));
+    EXPECT_EQ(with_lamps(again, lamps_of(again)).area_lights[0].radiance, (Vec3f{}));
+
+    for (Lamp& lamp : lamps)
+        lamp.on = true;
+    EXPECT_EQ(scene_json(saved_with_lamps(again, lamps)), scene_json(scene)) << "switched on again";
+}
+
+TEST(Lamps, KeepAnUnknownKeyThatIsNoSwitch) {
+    const Scene scene = scene_of_text(
+        R"({"lights":[{"type":"point","name":"p","position":[1,2,3],"radiant_intensity":[4,5,6],
+        "on":"Sundays"}]})");
+    const std::vector<Lamp> lamps = lamps_of(scene);
+    EXPECT_TRUE(lamps[0].on);
+    EXPECT_THAT(scene_json(saved_with_lamps(scene, lamps)), HasSubstr("Sundays"));
+}
+
 TEST(Lamps, KeepTheirPowerWhenTheirColourChangesAndTheirColourWhenTheirPowerDoes) {
     for (const LampPreset& preset : lamp_presets()) {
         Lamp lamp = lamp_from(preset, {1, 2, 3}, {0, 1, 0});

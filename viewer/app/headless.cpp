@@ -8,6 +8,7 @@
 #include "octree/output_path.h"
 #include "viewer/app/benchmark.h"
 #include "viewer/app/flight.h"
+#include "viewer/app/lamps.h"
 #include "viewer/app/picture_file.h"
 #include "viewer/app/probes.h"
 #include "viewer/app/start.h"
@@ -110,7 +111,8 @@ Json run_headless(const Options& options, const Cave& cave, Console& console) {
     } else {
         path = prepare_flight(options);
     }
-    const Start start = start_of(cave.points(), options.scene, options.camera);
+    Start start = start_of(cave.points(), options.scene, options.camera);
+    start.scene = with_lamps(start.scene, lamps_of(start.scene));  // what is off is dark
 
     console.phase("upload", "");
     const Context context = Context::headless();

@@ -1,6 +1,7 @@
 #include "viewer/app/lamps.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "viewer/app/photometry.h"
 
@@ -18,6 +19,46 @@ AreaLight area_light_of(const Lamp& lamp) {
     AreaLight light{lamp.name, {}, lamp.strength};
     std::copy(lamp.corners.begin(), lamp.corners.end(), light.corners);
     return light;
+}
+
+constexpr const char* kOnKey = "on";  // of a light in a scene file; true where it is absent
+
+/// Takes the switch out of a light's unknown keys. What is no switch stays among them.
+bool take_switch(std::string& unknown) {
+    if (unknown.empty()) return true;
+    nlohmann::json keys = nlohmann::json::parse(unknown);
+    const auto found = keys.find(kOnKey);
+    if (found == keys.end() || !found->is_boolean()) return true;
+    const bool on = found->get<bool>();
+    keys.erase(found);
+    unknown = keys.empty() ? std::string() : keys.dump();
+    return on;
+}
+
+std::string with_switch_off(const std::string& unknown) {
+    auto keys = unknown.empty() ? nlohmann::json::object() : nlohmann::json::parse(unknown);
+    keys[kOnKey] = false;
+    return keys.dump();
+}
+
+/// The lights of `lamps` as they are, whether on or off.
+Scene scene_of(const Scene& scene, std::span<const Lamp> lamps) {
+    Scene of_lamps;
+    of_lamps.cameras = scene.cameras;
+    of_lamps.unknown = scene.unknown;
+    for (const Lamp& lamp : lamps) {
+        if (lamp.kind == LampKind::kPoint) {
+            of_lamps.point_lights.push_back(
+                {lamp.name, lamp.position, lamp.strength, lamp.unknown});
+        } else if (lamp.kind == LampKind::kSpot) {
+            of_lamps.spot_lights.push_back({lamp.name, lamp.position, lamp.direction, lamp.cone_deg,
+                                            lamp.blend, lamp.strength, lamp.unknown});
+        } else {
+            of_lamps.area_lights.push_back(area_light_of(lamp));
+            of_lamps.area_unknown.push_back(lamp.unknown);
+        }
+    }
+    return of_lamps;
 }
 
 /// Watts of a lamp whose strength has luminance 1.
@@ -68,26 +109,25 @@ std::vector<Lamp> lamps_of(const Scene& scene) {
         if (i < scene.area_unknown.size()) lamp.unknown = scene.area_unknown[i];
         lamps.push_back(lamp);
     }
+    for (Lamp& lamp : lamps)
+        lamp.on = take_switch(lamp.unknown);
     return lamps;
 }
 
 Scene with_lamps(const Scene& scene, std::span<const Lamp> lamps) {
-    Scene lit;
-    lit.cameras = scene.cameras;
-    lit.unknown = scene.unknown;
-    for (Lamp lamp : lamps) {
+    std::vector<Lamp> lit(lamps.begin(), lamps.end());
+    for (Lamp& lamp : lit) {
         if (!lamp.on) lamp.strength = {};
-        if (lamp.kind == LampKind::kPoint) {
-            lit.point_lights.push_back({lamp.name, lamp.position, lamp.strength, lamp.unknown});
-        } else if (lamp.kind == LampKind::kSpot) {
-            lit.spot_lights.push_back({lamp.name, lamp.position, lamp.direction, lamp.cone_deg,
-                                       lamp.blend, lamp.strength, lamp.unknown});
-        } else {
-            lit.area_lights.push_back(area_light_of(lamp));
-            lit.area_unknown.push_back(lamp.unknown);
-        }
     }
-    return lit;
+    return scene_of(scene, lit);
+}
+
+Scene saved_with_lamps(const Scene& scene, std::span<const Lamp> lamps) {
+    std::vector<Lamp> saved(lamps.begin(), lamps.end());
+    for (Lamp& lamp : saved) {
+        if (!lamp.on) lamp.unknown = with_switch_off(lamp.unknown);
+    }
+    return scene_of(scene, saved);
 }
 
 double power_of(const Lamp& lamp) {

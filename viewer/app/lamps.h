@@ -27,11 +27,14 @@ struct Lamp {
     friend bool operator==(const Lamp&, const Lamp&) = default;
 };
 
-/// Points, spots, areas, in the scene's order.
+/// Points, spots, areas, in the scene's order; off are those whose file says `"on": false`.
 std::vector<Lamp> lamps_of(const Scene& scene);
 
 /// The lights of `lamps`; those that are off are there and dark. Cameras stay `scene`'s.
 Scene with_lamps(const Scene& scene, std::span<const Lamp> lamps);
+
+/// The same to be saved: those that are off keep their strength and say `"on": false`.
+Scene saved_with_lamps(const Scene& scene, std::span<const Lamp> lamps);
 
 /// Watts that leave the lamp when it is on, and the strength that so many watts take.
 double power_of(const Lamp& lamp);

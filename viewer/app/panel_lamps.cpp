@@ -1,5 +1,6 @@
 // Panel sections: lamps, and how their light is computed.
 #include <imgui.h>
+#include <imgui_stdlib.h>
 
 #include <algorithm>
 #include <cmath>
@@ -103,7 +104,7 @@ void draw_lamp_section(WindowState& state) {
     button(state, "undo", Command::kUndo, state.can_undo);
     ImGui::SameLine();
     button(state, "redo", Command::kRedo, state.can_redo);
-    ImGui::InputText("scene file", state.scene_file.data(), state.scene_file.size());
+    ImGui::InputText("scene file", &state.scene_file);
     button(state, "save (Ctrl+S)", Command::kSaveScene, true);
     ImGui::SameLine();
     button(state, "load (Ctrl+O)", Command::kLoadScene, true);

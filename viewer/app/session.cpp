@@ -42,8 +42,7 @@ WindowState state_of(const Options& options, const Cave& cave, Scene& scene) {
              {station.position[0], station.position[1], station.position[2]}});
     }
     state.file_facts = file_facts(options.octree, cave);
-    const std::string name = options.scene.empty() ? "glowworm-scene.json" : options.scene.string();
-    name.copy(state.scene_file.data(), state.scene_file.size() - 1);
+    state.scene_file = options.scene.empty() ? "glowworm-scene.json" : options.scene.string();
     return state;
 }
 

@@ -118,7 +118,7 @@ void Session::carry_out(const Request& request) {
             save_scene();
             break;
         case Command::kLoadScene:
-            load_scene(state_.scene_file.data());
+            load_scene(state_.scene_file);
             break;
         case Command::kSavePicture:
             save_picture();

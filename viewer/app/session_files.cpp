@@ -17,7 +17,7 @@ constexpr const char* kViewCamera = "view";  // what a saved scene calls the win
 
 /// The lights as they are, and first among the cameras the window's own.
 Scene Session::scene_to_save(int width, int height) const {
-    Scene scene = with_lamps(start_.scene, state_.lamps);
+    Scene scene = saved_with_lamps(start_.scene, state_.lamps);
     if (state_.headlamp_on) {
         Camera eye;
         eye.position = headlamp_eye_;
@@ -56,7 +56,7 @@ void Session::save_picture() {
 
 void Session::save_scene() {
     const WindowExtent size = window_.framebuffer();
-    write_and_say(state_.scene_file.data(),
+    write_and_say(state_.scene_file,
                   scene_json(scene_to_save(std::max(size.width, 1), std::max(size.height, 1))));
 }
 

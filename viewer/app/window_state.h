@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -69,7 +68,7 @@ struct WindowState {
     int bounces = 4;
     std::string light_status;      ///< "tracing 40 %", "settled after 12 bounces"
     std::vector<float> residuals;  ///< relative change by each step since the lamps changed
-    std::array<char, 256> scene_file{};
+    std::string scene_file;
 
     // measuring
     Tool tool = Tool::kNone;
