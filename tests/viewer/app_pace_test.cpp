@@ -28,12 +28,12 @@ int settled(bool moving, double fixed, double full) {
 
 TEST(Pace, KeepsMovementFluentAndRestSharpWherePixelsCost) {
     EXPECT_EQ(settled(true, 0.0, 1.28), 4);  // 0.08 s
-    EXPECT_EQ(settled(false, 0.0, 1.28), 1);
+    EXPECT_EQ(settled(false, 0.0, 1.28), 2);
 }
 
 TEST(Pace, KeepsRestSharpWhereTheCaveCosts) {
-    EXPECT_EQ(settled(true, 0.7, 0.6), 8);
-    EXPECT_EQ(settled(false, 0.7, 0.6), 1);
+    EXPECT_EQ(settled(true, 0.2, 0.6), 8);
+    EXPECT_EQ(settled(false, 0.2, 0.6), 2);
 }
 
 TEST(Pace, ForgetsASlowMomentWithinAFewFrames) {

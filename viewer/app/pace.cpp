@@ -5,7 +5,7 @@
 namespace glowworm {
 namespace {
 
-constexpr double kMovingSeconds = 0.1, kRestingSeconds = 2.0;
+constexpr double kMovingSeconds = 0.1, kRestingSeconds = 0.5;
 constexpr double kNewShare = 0.5;  // of the latest frame in what is expected of the next
 
 }  // namespace

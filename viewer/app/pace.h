@@ -12,7 +12,7 @@ namespace glowworm {
 class Pace {
   public:
     /// The finest of 1, 2, 3, 4, 6, 8 whose frame is expected to take at most a tenth of a second
-    /// in movement and two seconds at rest; 8 where none is, and at first.
+    /// in movement and half a second at rest; 8 where none is, and at first.
     int divisor(bool moving) const;
 
     /// A frame drawn at `divisor` (one of those above) took `seconds` > 0.
