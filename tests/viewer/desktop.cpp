@@ -117,37 +117,37 @@ bool Desktop::focus(const std::string& title) const {
     if (!found) return false;
     tell({"windowmove", window, "0", "0"});
     tell({"windowfocus", window});
-    pause(0.3);
+    pause(0.8);
     return true;
 }
 
 void Desktop::key(const std::string& name) const {
     tell({"key", name});
-    pause(0.3);
+    pause(0.8);
 }
 
 void Desktop::hold(const std::string& name, double seconds) const {
     tell({"keydown", name});
     pause(seconds);
     tell({"keyup", name});
-    pause(0.3);
+    pause(0.8);
 }
 
 void Desktop::click(int x, int y) const {
     tell({"mousemove", std::to_string(x), std::to_string(y)});
-    pause(0.3);
+    pause(0.8);
     tell({"click", "1"});
-    pause(0.7);  // longer than a double click takes
+    pause(1.5);  // longer than a double click takes
 }
 
 void Desktop::drag(int from_x, int from_y, int to_x, int to_y) const {
     tell({"mousemove", std::to_string(from_x), std::to_string(from_y)});
-    pause(0.3);
+    pause(0.8);
     tell({"mousedown", "1"});
     tell({"mousemove", std::to_string(to_x), std::to_string(to_y)});
-    pause(0.3);
+    pause(0.8);
     tell({"mouseup", "1"});
-    pause(0.3);
+    pause(0.8);
 }
 
 void Desktop::tell(const std::vector<std::string>& words) const {
