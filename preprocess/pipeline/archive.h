@@ -42,6 +42,10 @@ class ArchiveWriter {
                 archive(*this, value);
         }
     }
+    template <typename... Values>
+    requires(sizeof...(Values) > 1) void operator()(const Values&... values) {
+        ((*this)(values), ...);
+    }
 
     /// The file is there, whole, only after this.
     void commit();
@@ -90,6 +94,8 @@ class ArchiveReader {
                 archive(*this, value);
         }
     }
+    template <typename... Values>
+    requires(sizeof...(Values) > 1) void operator()(Values&... values) { ((*this)(values), ...); }
 
     /// Whether all was read and is what was written. To be asked last.
     bool good();

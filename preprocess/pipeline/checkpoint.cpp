@@ -20,16 +20,8 @@ template <typename A, Is<Points> T>
 void archive(A& file, T& all) {
     auto& [positions, normals, colours, intensities, ndf_lengths, radii, stations, emissions, times,
            grid] = all;
-    file(positions);
-    file(normals);
-    file(colours);
-    file(intensities);
-    file(ndf_lengths);
-    file(radii);
-    file(stations);
-    file(emissions);
-    file(times);
-    file(grid);
+    file(positions, normals, colours, intensities, ndf_lengths, radii, stations, emissions, times,
+         grid);
 }
 
 template <typename A, Is<Scan> T>
@@ -39,24 +31,14 @@ void archive(A& file, T& all) {
     static_cast<void>(path);  // whoever loads a scan knows it
     file(offset);
     archive(file, points);
-    file(pose);
-    file(crs);
-    file(has_viewpoint);
+    file(pose, crs, has_viewpoint);
 }
 
 template <typename A, Is<ScanCounts> T>
 void archive(A& file, T& all) {
     auto& [name, declared, kept, not_finite, too_far, no_return, invalid, no_colour, no_intensity] =
         all;
-    file(name);
-    file(declared);
-    file(kept);
-    file(not_finite);
-    file(too_far);
-    file(no_return);
-    file(invalid);
-    file(no_colour);
-    file(no_intensity);
+    file(name, declared, kept, not_finite, too_far, no_return, invalid, no_colour, no_intensity);
 }
 
 template <typename A, Is<ScanFacts> T>
@@ -64,105 +46,61 @@ void archive(A& file, T& all) {
     auto& [counts, low, high, has_colours, darkest, brightest, duplicate_share, grid_rows,
            grid_columns, on_float_grid, spacing, has_pose, crs] = all;
     archive(file, counts);
-    file(low);
-    file(high);
-    file(has_colours);
-    file(darkest);
-    file(brightest);
-    file(duplicate_share);
-    file(grid_rows);
-    file(grid_columns);
-    file(on_float_grid);
-    file(spacing);
-    file(has_pose);
-    file(crs);
+    file(low, high, has_colours, darkest, brightest, duplicate_share, grid_rows, grid_columns,
+         on_float_grid, spacing, has_pose, crs);
 }
 
 template <typename A, Is<Ingested> T>
 void archive(A& file, T& all) {
     auto& [scans, facts, points, outliers] = all;
-    file(scans);
-    file(facts);
-    file(points);
-    file(outliers);
+    file(scans, facts, points, outliers);
 }
 
 template <typename A, Is<ScanPose> T>
 void archive(A& file, T& all) {
     auto& [name, T_world_scan, status, rmse, overlap, loop_misclosure, loop_misclosure_deg,
            weak_axes] = all;
-    file(name);
-    file(T_world_scan);
-    file(status);
-    file(rmse);
-    file(overlap);
-    file(loop_misclosure);
-    file(loop_misclosure_deg);
-    file(weak_axes);
+    file(name, T_world_scan, status, rmse, overlap, loop_misclosure, loop_misclosure_deg,
+         weak_axes);
 }
 
 template <typename A, Is<PairPose> T>
 void archive(A& file, T& all) {
     auto& [source, target, T_target_source, overlap, contradicted, rmse, p95, inliers, accepted,
            weak_axes] = all;
-    file(source);
-    file(target);
-    file(T_target_source);
-    file(overlap);
-    file(contradicted);
-    file(rmse);
-    file(p95);
-    file(inliers);
-    file(accepted);
-    file(weak_axes);
+    file(source, target, T_target_source, overlap, contradicted, rmse, p95, inliers, accepted,
+         weak_axes);
 }
 
 template <typename A, Is<Poses> T>
 void archive(A& file, T& all) {
     auto& [origin, scans, pairs] = all;
-    file(origin);
-    file(scans);
-    file(pairs);
+    file(origin, scans, pairs);
 }
 
 template <typename A, Is<Warning> T>
 void archive(A& file, T& all) {
     auto& [id, name, sentence] = all;
-    file(id);
-    file(name);
-    file(sentence);
+    file(id, name, sentence);
 }
 
 template <typename A, Is<Registration> T>
 void archive(A& file, T& all) {
     auto& [poses, voxel_size, pairs_tried, unregistered, loose] = all;
     archive(file, poses);
-    file(voxel_size);
-    file(pairs_tried);
-    file(unregistered);
-    file(loose);
+    file(voxel_size, pairs_tried, unregistered, loose);
 }
 
 template <typename A, Is<MergeReport> T>
 void archive(A& file, T& all) {
     auto& [points_in, moving, thinned, left_out, spacing] = all;
-    file(points_in);
-    file(moving);
-    file(thinned);
-    file(left_out);
-    file(spacing);
+    file(points_in, moving, thinned, left_out, spacing);
 }
 
 template <typename A, Is<DelightReport> T>
 void archive(A& file, T& all) {
     auto& [applied, distance, incidence, pairs, rms_before, rms_after, reason] = all;
-    file(applied);
-    file(distance);
-    file(incidence);
-    file(pairs);
-    file(rms_before);
-    file(rms_after);
-    file(reason);
+    file(applied, distance, incidence, pairs, rms_before, rms_after, reason);
 }
 
 template <typename A, Is<SurfaceReport> T>
@@ -170,34 +108,16 @@ void archive(A& file, T& all) {
     auto& [points, surfels, not_finite, duplicates, isolated, grown, edges, weak, unsure_side,
            facing_inside, facing_outside, seen_from_trajectory, orientation, albedo, delighted,
            range_noise, search_radius, median_spacing, mean_ndf_length] = all;
-    file(points);
-    file(surfels);
-    file(not_finite);
-    file(duplicates);
-    file(isolated);
-    file(grown);
-    file(edges);
-    file(weak);
-    file(unsure_side);
-    file(facing_inside);
-    file(facing_outside);
-    file(seen_from_trajectory);
-    file(orientation);
-    file(albedo);
+    file(points, surfels, not_finite, duplicates, isolated, grown, edges, weak, unsure_side,
+         facing_inside, facing_outside, seen_from_trajectory, orientation, albedo);
     archive(file, delighted);
-    file(range_noise);
-    file(search_radius);
-    file(median_spacing);
-    file(mean_ndf_length);
+    file(range_noise, search_radius, median_spacing, mean_ndf_length);
 }
 
 template <typename A, Is<Conversion> T>
 void archive(A& file, T& all) {
     auto& [warnings, scans, points, outliers, registration, merge, surface] = all;
-    file(warnings);
-    file(scans);
-    file(points);
-    file(outliers);
+    file(warnings, scans, points, outliers);
     archive(file, registration);
     archive(file, merge);
     archive(file, surface);
@@ -206,18 +126,13 @@ void archive(A& file, T& all) {
 template <typename A, Is<AreaLight> T>
 void archive(A& file, T& all) {
     auto& [name, corners, radiance] = all;
-    file(name);
-    file(corners);
-    file(radiance);
+    file(name, corners, radiance);
 }
 
 template <typename A, Is<Station> T>
 void archive(A& file, T& all) {
     auto& [position, rotation, has_viewpoint, name] = all;
-    file(position);
-    file(rotation);
-    file(has_viewpoint);
-    file(name);
+    file(position, rotation, has_viewpoint, name);
 }
 
 template <typename A, Is<PointCloud> T>
@@ -225,17 +140,13 @@ void archive(A& file, T& all) {
     auto& [origin, points, stations, area_lights] = all;
     file(origin);
     archive(file, points);
-    file(stations);
-    file(area_lights);
+    file(stations, area_lights);
 }
 
 template <typename A, Is<SurfelCloud> T>
 void archive(A& file, T& all) {
     auto& [origin, surfels, stations, area_lights] = all;
-    file(origin);
-    file(surfels);
-    file(stations);
-    file(area_lights);
+    file(origin, surfels, stations, area_lights);
 }
 
 namespace {
