@@ -38,9 +38,6 @@ const float kPi = 3.14159265359;
 // How much of an area light a pixel sees. Only what is partly seen takes all samples.
 const float kHidden = 0.0, kInFullView = 1.0, kPartlySeen = 2.0;
 const int kLookRow = -1;   // as first_row: look at the light and keep in direct's w what is seen
-// Leaf edges: a pixel lies on the points themselves, nearer to them than a leaf's mean does. More
-// lets light under the bumps of a wall that it grazes.
-const float kShadowOffset = 0.03;
 
 struct Pixel {
     vec4 surface;     // normal; w: depth
@@ -91,7 +88,7 @@ void look(uint index, bool inside) {
                 continue;
             }
             bool sees = visible_from(pixel.position, pixel.surface.xyz,
-                                     kShadowOffset * grid.voxel_size, point, area.tag,
+                                     kPointOffset * grid.voxel_size, point, area.tag,
                                      area.axis.xyz);
             atomicAdd(tile_seen[tile], sees ? 1u : 0u);
             atomicAdd(tile_hidden[tile], sees ? 0u : 1u);
@@ -131,7 +128,7 @@ void main() {
 #endif
     vec3 added = albedo.rgb * (dry / kPi) *
                  direct_irradiance_of(light, pixel.position, normal,
-                                      kShadowOffset * grid.voxel_size, first_row, last_row);
+                                      kPointOffset * grid.voxel_size, first_row, last_row);
     direct[index].rgb += added;
 #ifdef WET
     vec3 mirrored = wetness * glossy_sum * lights[light].intensity.rgb;
