@@ -64,9 +64,8 @@ std::vector<Scan> gather(std::vector<Ingested> ingested, const BuildSettings& bu
     return scans;
 }
 
-/// Whether the octree an earlier run kept is whole.
+/// Whether the octree an earlier run kept is there and whole.
 bool is_sound(const std::filesystem::path& path) {
-    if (!std::filesystem::exists(path)) return false;
     try {
         const OctreeFile file = OctreeFile::open(path);
         return check_checksums(file).empty();
