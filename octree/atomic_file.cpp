@@ -75,14 +75,15 @@ void AtomicFile::write_at(std::uint64_t offset, const void* data, std::size_t by
     }
 }
 
-void AtomicFile::commit() {
-    if (::fsync(descriptor_) != 0) throw_write_error(final_path_, errno);
+void AtomicFile::commit(bool synced) {
+    if (synced && ::fsync(descriptor_) != 0) throw_write_error(final_path_, errno);
     if (::close(std::exchange(descriptor_, -1)) != 0 ||
         ::rename(temporary_path_.c_str(), final_path_.c_str()) != 0) {
         const int error = errno;
         ::unlink(temporary_path_.c_str());
         throw_write_error(final_path_, error);
     }
+    if (!synced) return;
     const int folder = ::open(folder_of(final_path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (folder >= 0) {
         ::fsync(folder);

@@ -26,8 +26,9 @@ class AtomicFile {
     /// For writers that insist on opening a path themselves (libpng, OpenEXR, ffmpeg).
     const std::filesystem::path& temporary_path() const { return temporary_path_; }
 
-    /// Syncs, renames, syncs the folder. Nothing else may be called afterwards.
-    void commit();
+    /// Syncs, renames, syncs the folder; only renames where the file is not `synced`. Nothing else
+    /// may be called afterwards.
+    void commit(bool synced = true);
 
   private:
     std::filesystem::path final_path_;

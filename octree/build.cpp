@@ -212,6 +212,7 @@ Octree build_octree(const SurfelCloud& cloud, const BuildSettings& settings,
     octree.nodes = std::move(tree.nodes);
     octree.attributes = std::move(tree.attributes);
     octree.lobes = std::move(leaves.lobes);
+    report(4);
 
     // 3. Points.
     const std::span<const CodeIndex> own = entries_in(order, tile);

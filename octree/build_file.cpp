@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "octree/error.h"
+#include "octree/file_size.h"
 #include "octree/join.h"
+#include "octree/octree_writer.h"
 #include "octree/spill.h"
 #include "octree/tiling.h"
 
@@ -60,6 +62,11 @@ class Passes {
         if (progress_) progress_(std::min(total, done_ / passes_), total);
     }
 
+    /// For work between the passes: tells how far they are, so that it can be cancelled.
+    Progress standing() {
+        return [this](std::uint64_t, std::uint64_t) { advance(0); };
+    }
+
   private:
     const SurfelStream& stream_;
     const Progress& progress_;
@@ -72,12 +79,12 @@ SurfelCloud empty_cloud(const SurfelStream& stream) {
 }
 
 void write(Octree octree, std::uint64_t dropped, const std::filesystem::path& path,
-           BuildFileReport& report) {
+           const Progress& progress, BuildFileReport& report) {
     octree.dropped_count = dropped;
     report.samples = octree.sample_count;
     report.dropped = dropped;
     report.grid = octree.grid;
-    write_octree_file(octree.view(), path);
+    write_octree_file(octree.view(), path, {.progress = all_done(progress, octree.sample_count)});
 }
 
 BuildFileReport build_at_once(const SurfelStream& stream, const BuildSettings& settings,
@@ -88,11 +95,17 @@ BuildFileReport build_at_once(const SurfelStream& stream, const BuildSettings& s
         if (progress) progress(0, std::max<std::uint64_t>(stream.expected, 1));
         cloud.surfels.insert(cloud.surfels.end(), batch.begin(), batch.end());
     });
+    if (settings.depth || settings.voxel_size || settings.grid) {
+        // The automatic depth makes no leaves smaller than the samples.
+        const CloudSummary summary = summarize(cloud.surfels);
+        if (summary.usable > 0)
+            require_room(estimate_size(summary, fit_grid(summary, cloud.origin, settings)), path);
+    }
     BuildFileReport report;
     Octree octree = build_octree(cloud, settings, progress);
     const std::uint64_t dropped = stream.dropped + octree.dropped_count;
     cloud = {};
-    write(std::move(octree), dropped, path, report);
+    write(std::move(octree), dropped, path, progress, report);
     return report;
 }
 
@@ -124,6 +137,7 @@ class LimitedBuild {
             return build_at_once(stream_, settings_, path_, progress_);
         require_radii();
         settings_.grid = fit_grid(summary_, stream_.origin, settings_);
+        if (!settings_.tile) require_room(estimate_size(summary_, *settings_.grid), path_);
 
         CellWeights weights(*settings_.grid, root_);
         passes_.run_usable(summary_, [&](const Surfel& s) { weights.add(s); });
@@ -159,9 +173,10 @@ class LimitedBuild {
         });
         BuildFileReport report;
         if (cloud.surfels.empty()) refuse_empty();
-        Octree octree = build_octree(cloud, settings_);
+        const Progress still_here = passes_.standing();
+        Octree octree = build_octree(cloud, settings_, still_here);
         cloud = {};
-        write(std::move(octree), dropped(), path_, report);
+        write(std::move(octree), dropped(), path_, still_here, report);
         return report;
     }
 
@@ -183,7 +198,7 @@ class LimitedBuild {
         for (const OctreeFile& tile : built)
             report.samples += tile.view().sample_count;
         report.dropped = dropped();
-        join_octrees(built, {settings_.provenance, dropped()}, path_);
+        join_octrees(built, {settings_.provenance, dropped(), passes_.standing()}, path_);
         return report;
     }
 
@@ -219,9 +234,10 @@ class LimitedBuild {
             cloud.surfels = spills[t].take();
             tile_settings.tile = tiling.tiles()[t];
             const auto file = folder.path() / ("tile" + std::to_string(t) + ".svo");
-            Octree octree = build_octree(cloud, tile_settings);
+            Octree octree = build_octree(cloud, tile_settings, passes_.standing());
             cloud = {};
-            write_octree_file(octree.view(), file);
+            write_octree_file(octree.view(), file,
+                              {.progress = passes_.standing(), .synced = false});
             built.push_back(OctreeFile::open(file));
             passes_.advance(size);
         }

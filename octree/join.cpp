@@ -48,13 +48,13 @@ std::vector<std::uint32_t> shared_levels(std::span<const OctreeView> tiles) {
 class Joiner {
   public:
     Joiner(std::span<const OctreeFile> files, std::span<const OctreeView> tiles,
-           const std::filesystem::path& path)
+           const std::filesystem::path& path, const WriteSettings& settings)
         : files_(files),
           tiles_(tiles),
           grid_(tiles.front().grid),
           crown_(build_crown(tiles)),
           shared_(shared_levels(tiles)),
-          writer_(path) {}
+          writer_(path, settings) {}
 
     void write(const JoinSettings& settings) {
         write_levels();
@@ -252,7 +252,10 @@ void join_octrees(std::span<const OctreeFile> tiles, const JoinSettings& setting
     if (tiles.empty()) throw Error(ExitCode::kDegenerate, "there are no tiles to join");
     // In Morton order, whatever the order they were given in: by their first leaf.
     std::vector<OctreeFile> files(tiles.begin(), tiles.end());
+    std::uint64_t bytes = 0;
     for (const OctreeFile& file : files) {
+        bytes += file.bytes();
+        if (settings.progress) settings.progress(0, bytes);
         const auto failures = check_structure(file.view());
         file.forget_pages();
         if (!failures.empty())
@@ -268,7 +271,7 @@ void join_octrees(std::span<const OctreeFile> tiles, const JoinSettings& setting
             refuse("the tiles differ in grid, stations or lights; join tiles of one grid");
         }
     }
-    Joiner(files, views, path).write(settings);
+    Joiner(files, views, path, {settings.progress, bytes}).write(settings);
 }
 
 }  // namespace glowworm

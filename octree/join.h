@@ -7,12 +7,14 @@
 #include <string>
 
 #include "octree/octree_file.h"
+#include "octree/progress.h"
 
 namespace glowworm {
 
 struct JoinSettings {
     std::string provenance = "{}";              ///< JSON, the joined file's
     std::optional<std::uint64_t> dropped = {};  ///< surfels left out; else the tiles' sum
+    Progress progress = {};                     ///< bytes written
 };
 
 /// Joins tiles of one grid (see BuildSettings::tile) and writes one octree: the same bytes as one

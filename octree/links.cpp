@@ -13,7 +13,7 @@ namespace glowworm {
 
 namespace {
 
-constexpr std::size_t kLobesAtOnce = 1 << 14;  // between two calls of progress
+constexpr std::size_t kLobesAtOnce = 1 << 12;  // between two calls of progress
 
 // Fractions of the plastic number's powers in 1/2^32: R2's steps.
 constexpr std::uint32_t kStepU = 3242174889u;

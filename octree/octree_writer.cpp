@@ -2,18 +2,31 @@
 
 #include <xxhash.h>
 
+#include <algorithm>
 #include <cstring>
 #include <vector>
 
 namespace glowworm {
+namespace {
+
+constexpr std::size_t kPieceBytes = 8 << 20;  // between two calls of progress
+
+}  // namespace
+
+Progress all_done(Progress progress, std::uint64_t total) {
+    if (!progress) return {};
+    return [progress = std::move(progress), total](std::uint64_t, std::uint64_t) {
+        progress(total, total);
+    };
+}
 
 struct OctreeWriter::Hash {
     XXH3_state_t* state = XXH3_createState();
     ~Hash() { XXH3_freeState(state); }
 };
 
-OctreeWriter::OctreeWriter(const std::filesystem::path& path)
-    : file_(path), hash_(std::make_unique<Hash>()) {
+OctreeWriter::OctreeWriter(const std::filesystem::path& path, const WriteSettings& settings)
+    : settings_(settings), file_(path), hash_(std::make_unique<Hash>()) {
     std::memcpy(header_.magic, kMagic, sizeof kMagic);
     header_.version = kFormatVersion;
 }
@@ -32,11 +45,18 @@ void OctreeWriter::begin_section(SectionKind kind, std::size_t record_bytes) {
 }
 
 void OctreeWriter::append(const void* records, std::size_t bytes) {
-    if (bytes == 0) return;
-    XXH3_64bits_update(hash_->state, records, bytes);
-    file_.write_at(position_, records, bytes);
-    position_ += bytes;
+    const char* next = static_cast<const char*>(records);
     section_bytes_ += bytes;
+    while (bytes > 0) {
+        const std::size_t piece = std::min(bytes, kPieceBytes);
+        if (settings_.progress)
+            settings_.progress(position_, std::max(position_, settings_.expected_bytes));
+        XXH3_64bits_update(hash_->state, next, piece);
+        file_.write_at(position_, next, piece);
+        position_ += piece;
+        next += piece;
+        bytes -= piece;
+    }
 }
 
 void OctreeWriter::end_section() {
@@ -66,11 +86,19 @@ void OctreeWriter::finish(const OctreeView& octree) {
     std::vector<char> page(kSectionAlignment, 0);
     std::memcpy(page.data(), &header_, sizeof header_);
     file_.write_at(0, page.data(), page.size());
-    file_.commit();
+    file_.commit(settings_.synced);
 }
 
 void write_octree_file(const OctreeView& octree, const std::filesystem::path& path) {
-    OctreeWriter writer(path);
+    write_octree_file(octree, path, {});
+}
+
+void write_octree_file(const OctreeView& octree, const std::filesystem::path& path,
+                       WriteSettings settings) {
+    settings.expected_bytes = octree.nodes.size_bytes() + octree.attributes.size_bytes() +
+                              octree.lobes.size_bytes() + octree.chunks.size_bytes() +
+                              octree.surfels.size_bytes() + octree.links.size_bytes();
+    OctreeWriter writer(path, settings);
     const auto section = [&](SectionKind kind, const auto& records) {
         writer.begin_section(kind, sizeof records[0]);
         writer.append(records.data(), records.size() * sizeof records[0]);

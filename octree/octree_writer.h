@@ -6,14 +6,25 @@
 
 #include "octree/atomic_file.h"
 #include "octree/octree_file.h"
+#include "octree/progress.h"
 
 namespace glowworm {
+
+struct WriteSettings {
+    Progress progress = {};            ///< bytes written, told every few MiB; may throw to cancel
+    std::uint64_t expected_bytes = 0;  ///< that `progress` takes for the total
+    bool synced = true;  ///< on the disk before it has its name; false for what no crash outlives
+};
+
+/// Reports that all of `total` is done, however far it is: for what follows the work that
+/// `progress` counts and may be cancelled just as well.
+Progress all_done(Progress progress, std::uint64_t total);
 
 /// Writes an .svo section after section, in any amount at a time, so that nobody needs to hold one
 /// whole. Destroyed before `finish`, it leaves no file. Members throw as AtomicFile does.
 class OctreeWriter {
   public:
-    explicit OctreeWriter(const std::filesystem::path& path);
+    explicit OctreeWriter(const std::filesystem::path& path, const WriteSettings& settings = {});
     ~OctreeWriter();
 
     /// Sections begin in the order in which they shall lie in the file.
@@ -32,11 +43,16 @@ class OctreeWriter {
     void end_section();
 
     struct Hash;
+    WriteSettings settings_;
     AtomicFile file_;
     std::unique_ptr<Hash> hash_;
     FileHeader header_{};
     std::uint64_t section_bytes_ = 0;
     std::uint64_t position_ = kSectionAlignment;
 };
+
+/// As the one of octree_file.h. The settings' `expected_bytes` are those of the octree.
+void write_octree_file(const OctreeView& octree, const std::filesystem::path& path,
+                       WriteSettings settings);
 
 }  // namespace glowworm

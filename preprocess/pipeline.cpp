@@ -9,7 +9,7 @@
 #include "octree/area_lights.h"
 #include "octree/checksums.h"
 #include "octree/error.h"
-#include "octree/octree_file.h"
+#include "octree/octree_writer.h"
 #include "preprocess/pipeline/checkpoint.h"
 #include "preprocess/pipeline/ingest.h"
 #include "preprocess/pipeline/keys.h"
@@ -144,10 +144,12 @@ class Stages {
         }
         SurfelCloud cloud = surfels();
         add_area_lights(cloud, settings_.area_lights);
-        const Octree octree = build_octree(cloud, settings_.build, begin_("build", "surfels"));
+        const Progress building = begin_("build", "surfels");
+        const Octree octree = build_octree(cloud, settings_.build, building);
         // In between there is an octree that nothing vouches for.
         std::filesystem::remove(work_.part("built"));
-        write_octree_file(octree.view(), file);
+        write_octree_file(octree.view(), file,
+                          {.progress = all_done(building, octree.sample_count)});
         save_report(work_, "built", keys_.octree, done);
     }
 

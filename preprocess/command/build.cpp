@@ -6,8 +6,9 @@
 #include "octree/area_lights.h"
 #include "octree/build_file.h"
 #include "octree/error.h"
+#include "octree/file_size.h"
 #include "octree/links.h"
-#include "octree/octree_file.h"
+#include "octree/octree_writer.h"
 #include "octree/spill.h"
 #include "preprocess/command/command.h"
 #include "preprocess/command/grid_file.h"
@@ -16,6 +17,8 @@
 
 namespace glowworm {
 namespace {
+
+constexpr double kBytesPerFurtherLeaf = 260.0;  ///< memory, as in tiling.cpp, beyond one a point
 
 struct BuildCommandFlags {
     std::filesystem::path input;
@@ -78,9 +81,9 @@ void write_with_links(const std::filesystem::path& file, std::uint32_t links, Ru
         trace_links(octree, {.rays = links}, run.console.phase("links", "lobes"));
     octree.links = traced;
     octree.links_per_lobe = links;
-    run.console.phase("write", "bytes");
+    const Progress writing = run.console.phase("write", "bytes");
     unlinked.require_intact();
-    write_octree_file(octree, run.flags.output);
+    write_octree_file(octree, run.flags.output, {.progress = writing});
 }
 
 nlohmann::ordered_json run_build(Run& run, const BuildCommandFlags& flags) {
@@ -145,18 +148,25 @@ nlohmann::ordered_json plan_build(Run& run, const BuildCommandFlags& flags) {
     const Grid grid = fit_grid(summary, stream.origin, settings);
 
     const auto samples = static_cast<double>(summary.usable);
-    const double spacing = summary.median_spacing(), voxel = grid.voxel_size();
-    // A surface crosses about twice as many leaves as it covers leaf faces.
-    const double leaves = std::min(samples, 2.0 * samples * spacing * spacing / (voxel * voxel));
-    const std::uint64_t memory = memory_to_build(summary.usable);
+    const double voxel = grid.voxel_size();
+    const SizeEstimate size = estimate_size(summary, grid);
+    const std::uint64_t bytes = size.bytes;
+    const std::uint64_t memory =
+        memory_to_build(summary.usable) +
+        static_cast<std::uint64_t>(kBytesPerFurtherLeaf * std::max(0.0, size.leaves - samples));
     const bool spills = run.flags.memory_limit > 0 && memory > run.flags.memory_limit;
-    const auto bytes =
-        static_cast<std::uint64_t>(samples * sizeof(PackedSurfel) + leaves * 1.3 * (40 + 64));
     const std::uint64_t temporary = spills ? bytes + summary.usable * sizeof(Surfel) * 5 / 4 : 0;
     const double seconds = samples * (spills ? 2e-6 : 1e-6);
     spdlog::info("depth {}, leaves of {:.1f} cm; {} of memory, {} on disk, about {:.0f} s",
                  grid.depth, voxel * 100.0, format_bytes(spills ? run.flags.memory_limit : memory),
                  format_bytes(bytes + temporary), seconds);
+    if (size.leaves > 4.0 * samples) {
+        spdlog::warn(
+            "about {:.0f} leaves a point: leaves are far smaller than the points' "
+            "distance; a smaller --depth shows as much",
+            size.leaves / samples);
+    }
+    require_room(size, run.flags.output);
     return {{"samples", summary.usable},
             {"dropped", summary.dropped + stream.dropped},
             {"depth", grid.depth},

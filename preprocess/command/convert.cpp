@@ -7,7 +7,7 @@
 
 #include "octree/error.h"
 #include "octree/links.h"
-#include "octree/octree_file.h"
+#include "octree/octree_writer.h"
 #include "preprocess/command/command.h"
 #include "preprocess/command/convert_flags.h"
 #include "preprocess/command/convert_report.h"
@@ -120,10 +120,10 @@ void write_output(const WorkFolder& work, const Poses& poses, std::uint32_t link
         spdlog::info("{} links a lobe are in the file, {}; --links 0 leaves them out",
                      links_per_lobe, format_bytes(links.size() * sizeof(std::uint32_t)));
     }
-    phases.begin("write", "bytes");
+    const Progress writing = phases.begin("write", "bytes");
     built.require_intact();
     write_poses(poses, poses_of(run.flags.output));
-    write_octree_file(octree, run.flags.output);
+    write_octree_file(octree, run.flags.output, {.progress = writing});
     phases.end();
     run.console.end_phase();
 }

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "octree/error.h"
-#include "octree/octree_file.h"
+#include "octree/octree_writer.h"
 #include "octree/pack.h"
 #include "preprocess/command/command.h"
 #include "preprocess/command/stage_flags.h"
@@ -65,7 +65,7 @@ nlohmann::ordered_json run_extract(Run& run, const ExtractFlags& flags) {
     const Octree cut =
         cut_box(file.view(), {vec3_cast<float>(low - origin), vec3_cast<float>(high - origin)});
     file.require_intact();
-    write_octree_file(cut.view(), output);
+    write_octree_file(cut.view(), output, {.progress = run.console.phase("write", "bytes")});
     return {{"output", output.string()},
             {"leaves", cut.levels.back().node_count},
             {"surfels", cut.surfels.size()}};

@@ -23,7 +23,7 @@ JoinSettings settings_for(std::span<const OctreeFile> tiles) {
     const bool same = std::ranges::all_of(
         tiles, [&](const OctreeFile& tile) { return tile.view().provenance == first.provenance; });
     // From the same input, each tile has counted all that was dropped of it.
-    if (same) return {std::string(first.provenance), first.dropped_count};
+    if (same) return {std::string(first.provenance), first.dropped_count, {}};
 
     Json provenance = Json::parse(first.provenance, nullptr, false);
     std::vector<Json> inputs;
@@ -38,7 +38,7 @@ JoinSettings settings_for(std::span<const OctreeFile> tiles) {
     inputs.erase(again.begin(), again.end());
     if (!provenance.is_object()) provenance = Json::object();
     provenance["inputs"] = inputs;
-    return {provenance.dump(-1, ' ', false, Json::error_handler_t::replace), {}};
+    return {provenance.dump(-1, ' ', false, Json::error_handler_t::replace), {}, {}};
 }
 
 Json run_join(Run& run, const std::vector<std::filesystem::path>& inputs) {
@@ -52,8 +52,9 @@ Json run_join(Run& run, const std::vector<std::filesystem::path>& inputs) {
         require_sound(tiles.back(), input);
         tiles.back().forget_pages();
     }
-    run.console.phase("join", "tiles");
-    join_octrees(tiles, settings_for(tiles), output);
+    JoinSettings settings = settings_for(tiles);
+    settings.progress = run.console.phase("join", "bytes");
+    join_octrees(tiles, settings, output);
     run.console.end_phase();
 
     const OctreeFile file = OctreeFile::open(output);
