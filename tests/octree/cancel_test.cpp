@@ -74,10 +74,10 @@ std::uint64_t resident_bytes() {
 
 TEST(Cancel, BuildingInTilesLeavesNothing) {
     const ScratchFolder folder;
-    const SurfelCloud cloud = sphere_cloud(1500);  // wide discs: many leaves, more than fit
+    const SurfelCloud cloud = sphere_cloud(1200);  // wide discs: many leaves, more than fit
     std::uint32_t tiles = 0;
-    const int heard = cancel_everywhere(folder.path(), 7, [&](const Progress& progress) {
-        const MemorySettings memory{resident_bytes() + 24'000'000 + 52'000'000, folder.path()};
+    const int heard = cancel_everywhere(folder.path(), 23, [&](const Progress& progress) {
+        const MemorySettings memory{resident_bytes() + 24'000'000 + 50'000'000, folder.path()};
         tiles =
             build_octree_file(stream_of(cloud), {.depth = 10}, memory, folder / "a.svo", progress)
                 .tiles;
