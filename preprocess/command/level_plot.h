@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "octree/octree_file.h"
-#include "preprocess/surface/plot.h"
+#include "preprocess/plot/picture.h"
 
 namespace glowworm {
 
@@ -21,6 +21,6 @@ struct LevelHistograms {
 std::vector<LevelHistograms> measure_levels(const OctreeView& octree);
 
 /// A row for each level, a panel for each histogram, each panel's highest bar as high as the row.
-PlanView plot_levels(const std::vector<LevelHistograms>& levels);
+Picture plot_levels(const std::vector<LevelHistograms>& levels);
 
 }  // namespace glowworm

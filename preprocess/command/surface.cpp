@@ -6,7 +6,7 @@
 #include "preprocess/command/plan.h"
 #include "preprocess/command/stage_flags.h"
 #include "preprocess/read/read_scans.h"
-#include "preprocess/surface/plot.h"
+#include "preprocess/surface/normal_plan.h"
 #include "preprocess/surface/surfel_points.h"
 #include "preprocess/write/cloud_writer.h"
 

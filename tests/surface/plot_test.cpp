@@ -1,4 +1,4 @@
-#include "preprocess/surface/plot.h"
+#include "preprocess/surface/normal_plan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,25 +15,21 @@ namespace {
 
 TEST(Plot, AFloorIsDrawnInItsNormalsColourAndAsFlat) {
     const testing::Shape wall = testing::make_wall(20000, 1.0);
-    const PlanView view = plot_surfels(make_surfels(wall.cloud, {}), 100);
-    ASSERT_NEAR(view.width, 200, 2);
-    ASSERT_NEAR(view.height, 100, 1);
-    const auto pixel = [&](int x, int y) {
-        const std::size_t at = static_cast<std::size_t>(y * view.width + x) * 3;
-        return std::vector<int>{view.pixels[at], view.pixels[at + 1], view.pixels[at + 2]};
-    };
-    EXPECT_THAT(pixel(50, 50), ::testing::ElementsAre(128, 128, 255));
-    EXPECT_THAT(pixel(view.width / 2 + 50, 50), ::testing::ElementsAre(252, 232, 36));
+    const Picture picture = plot_surfels(make_surfels(wall.cloud, {}), 100);
+    const int middle = kPlanMargin + 50;
+    EXPECT_EQ(picture.at(middle, middle), (Rgb8{128, 128, 255}));
+    EXPECT_EQ(picture.at(picture.width / 2 + middle, middle), (Rgb8{252, 232, 36}));
+    EXPECT_EQ(picture.at(kPlanMargin + 130, middle), picture.at(0, 0)) << "beside the plan";
 
     const testing::ScratchFolder folder;
-    write_png(view, folder / "plan.png");
+    write_png(picture, folder / "plan.png");
     EXPECT_GT(std::filesystem::file_size(folder / "plan.png"), 100u);
 }
 
 TEST(Plot, NoSurfelsGiveNoPicture) {
     EXPECT_EQ(plot_surfels({}).width, 0);
     const testing::ScratchFolder folder;
-    EXPECT_THROW(write_png({}, folder / "plan.png"), Error);
+    EXPECT_THROW(write_png(Picture{}, folder / "plan.png"), Error);
     EXPECT_FALSE(std::filesystem::exists(folder / "plan.png"));
 }
 

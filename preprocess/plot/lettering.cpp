@@ -1,4 +1,4 @@
-#include "preprocess/register/lettering.h"
+#include "preprocess/plot/lettering.h"
 
 #include <algorithm>
 #include <vector>
