@@ -13,6 +13,33 @@ struct Splat {
     ivec2 highest;
 };
 
+// Whether a sphere lies outside the pyramid of a pinhole's picture. Without this, one beside the eye,
+// barely in front of it, would be taken to reach across the whole picture.
+bool beside_picture(vec3 centre, float radius) {
+    if (view_is_orthographic()) return false;
+    vec2 axis = vec2(view.down.w, view.forward.w);
+    vec2 lowest = -axis / view.position.w;
+    vec2 highest = (vec2(view.width, view.height) - axis) / view.position.w;
+    vec2 before = lowest * centre.z - centre.xy, after = centre.xy - highest * centre.z;
+    return any(greaterThan(before, radius * sqrt(1.0 + lowest * lowest))) ||
+           any(greaterThan(after, radius * sqrt(1.0 + highest * highest)));
+}
+
+// The pixels within which a sphere lies: lowest, highest. A pinhole's are bounded by the tangents
+// from the eye, (x z -+ r sqrt(x^2 + z^2 - r^2)) / (z^2 - r^2), where it is wholly in front.
+vec4 picture_of_sphere(vec3 centre, float radius) {
+    vec2 axis = vec2(view.down.w, view.forward.w);
+    if (view_is_orthographic()) {
+        vec2 middle = pixel_of(centre);
+        return vec4(middle - radius * view.position.w, middle + radius * view.position.w);
+    }
+    float ahead = centre.z * centre.z - radius * radius;
+    if (centre.z <= radius || ahead <= 0.0) return vec4(vec2(0.0), vec2(view.width, view.height));
+    vec2 spread = radius * sqrt(centre.xy * centre.xy + ahead);
+    vec4 slopes = vec4(centre.xy * centre.z - spread, centre.xy * centre.z + spread) / ahead;
+    return axis.xyxy + slopes * view.position.w;
+}
+
 // False where nothing of the disc can be seen: behind the eye, outside the picture, turned away.
 bool make_splat(vec3 centre, vec3 normal, float radius, out Splat splat) {
     if (centre.z <= kNearDepth) return false;
@@ -28,14 +55,10 @@ bool make_splat(vec3 centre, vec3 normal, float radius, out Splat splat) {
     splat.normal = cosine < kFlattestCosine
                        ? normalize(normal + (kFlattestCosine - cosine) * to_eye)
                        : normal;
-    vec2 middle = pixel_of(centre);
-    // The sphere around the disc, as its nearer side projects it, longer the farther off the axis:
-    // its tangents from the eye meet the picture within r / cos(theta) / (z - r) of its middle.
-    vec2 slope = view_is_orthographic() ? vec2(0.0) : centre.xy / centre.z;
-    vec2 reach = splat.radius * pixels_per_metre(max(centre.z - splat.radius, kNearDepth)) *
-                 sqrt(1.0 + slope * slope);
-    vec2 low = clamp(floor(middle - reach), vec2(0.0), vec2(view.width, view.height));
-    vec2 high = clamp(floor(middle + reach), vec2(-1.0), vec2(view.width, view.height) - 1.0);
+    if (beside_picture(centre, splat.radius)) return false;
+    vec4 reach = picture_of_sphere(centre, splat.radius);
+    vec2 low = clamp(floor(reach.xy), vec2(0.0), vec2(view.width, view.height));
+    vec2 high = clamp(floor(reach.zw), vec2(-1.0), vec2(view.width, view.height) - 1.0);
     splat.lowest = ivec2(low);
     splat.highest = ivec2(high);
     return all(lessThanEqual(splat.lowest, splat.highest));
