@@ -40,6 +40,8 @@ struct ViewBlock {
     uint height;
     uint unused_0;
     uint unused_1;
+    vec4 clip_low;   // xyz: m, relative to the octree's origin: only what lies between is drawn
+    vec4 clip_high;
 };
 
 // A chunk that is drawn: the first `count` of its surfels, each grown by `scale`.

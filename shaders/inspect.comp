@@ -3,7 +3,7 @@
 #include "frame_layout.h"
 #include "tone_curve.glsl"
 
-// One layer of a frame as a picture. `layer` counts as Layer of viewer/app/inspector.h.
+// One layer of a frame as a picture. `layer` counts as Layer of viewer/frame/inspector.h.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, binding = BINDING_PIXEL_SURFACES) readonly buffer pixel_surfaces { vec4 surfaces[]; };
 layout(std430, binding = BINDING_PIXEL_ALBEDOS) readonly buffer pixel_albedos { vec4 albedos[]; };

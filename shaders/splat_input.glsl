@@ -16,7 +16,11 @@ bool this_splat(out PackedSurfel surfel, out Splat splat) {
     if (index >= chunk.count) return false;
     surfel = surfels[chunk.first + index];
     if (surfel_light(surfel) != 0u) return false;   // panels are drawn as exact rectangles
-    return make_splat(camera_from_octree(surfel_position(surfel, chunk.box)),
+    vec3 position = surfel_position(surfel, chunk.box);
+    if (any(lessThan(position, view.clip_low.xyz)) || any(greaterThan(position, view.clip_high.xyz))) {
+        return false;
+    }
+    return make_splat(camera_from_octree(position),
                       camera_from_octree_direction(surfel_normal(surfel)),
                       surfel_radius(surfel) * chunk.scale, splat);
 }

@@ -15,7 +15,7 @@ namespace {
 constexpr int kWidth = 400, kHeight = 300;
 
 TEST(SurveyView, HasNorthAtTheTopOfAPlanAndEastOnItsRight) {
-    const SurveyView plan = fitted_survey({0, 0, 0}, {10, 4, 2}, 0.0, -90.0, kWidth, kHeight);
+    const SurveyView plan = fitted_survey({{0, 0, 0}, {10, 4, 2}}, 0.0, -90.0, kWidth, kHeight);
     const View view = view_of(plan, kWidth, kHeight, 20.0);
     const PixelPoint middle = project(view, {5, 2, 1});
     EXPECT_NEAR(middle.x, kWidth / 2.0, 1e-9);
@@ -30,7 +30,7 @@ TEST(SurveyView, HasNorthAtTheTopOfAPlanAndEastOnItsRight) {
 }
 
 TEST(SurveyView, HasUpAtTheTopOfAnElevationThatFacesItsBearing) {
-    SurveyView facing_east = fitted_survey({0, 0, 0}, {10, 4, 2}, 90.0, 0.0, kWidth, kHeight);
+    SurveyView facing_east = fitted_survey({{0, 0, 0}, {10, 4, 2}}, 90.0, 0.0, kWidth, kHeight);
     const View view = view_of(facing_east, kWidth, kHeight, 20.0);
     const PixelPoint middle = project(view, {5, 2, 1});
     EXPECT_LT(project(view, {5, 2, 2}).y, middle.y);
@@ -43,7 +43,7 @@ TEST(SurveyView, ShowsTheWholeBoxFromEverySide) {
     const Vec3d low{-3, 5, -40}, high{12, 6, 2};
     for (const double tilt : {-90.0, -30.0, 0.0}) {
         for (double bearing = 0; bearing < 360; bearing += 45) {
-            const SurveyView survey = fitted_survey(low, high, bearing, tilt, kWidth, kHeight);
+            const SurveyView survey = fitted_survey({low, high}, bearing, tilt, kWidth, kHeight);
             const View view = view_of(survey, kWidth, kHeight, 100.0);
             for (int corner = 0; corner < 8; ++corner) {
                 const PixelPoint p =
@@ -56,7 +56,7 @@ TEST(SurveyView, ShowsTheWholeBoxFromEverySide) {
 }
 
 TEST(SurveyView, KeepsWhatIsUnderTheCursorWhenItZoomsOrPans) {
-    SurveyView survey = fitted_survey({0, 0, 0}, {10, 4, 2}, 30.0, -60.0, kWidth, kHeight);
+    SurveyView survey = fitted_survey({{0, 0, 0}, {10, 4, 2}}, 30.0, -60.0, kWidth, kHeight);
     const Vec3d point{7, 3, 1.5};
     const PixelPoint before = project(view_of(survey, kWidth, kHeight, 20.0), point);
     zoom(survey, 0.4, before.x - kWidth / 2.0, before.y - kHeight / 2.0);

@@ -191,7 +191,7 @@ TEST(Window, FliesAndTurnsAndItsPathBecomesAVideo) {
     ASSERT_TRUE(visit.begin()) << visit.log();
     const Desktop& desktop = visit.desktop();
     desktop.key("k");
-    desktop.hold("w", 0.6);
+    desktop.hold("w", 2.0);
     desktop.drag(100, 120, 200, 120);
     desktop.key("k");
     desktop.key("ctrl+k");

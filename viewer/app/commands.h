@@ -45,6 +45,7 @@ enum class Command {
     kPlayPath,
     kSavePath,
     kGoToKeyframe,  ///< `which`: the keyframe
+    kClipHere,      ///< the clip box round what is looked at
     kRebuildLight,  ///< other settings of how light is gathered
 };
 

@@ -13,12 +13,9 @@ constexpr double kZoomPerPixel = 1.005, kZoomPerNotch = 1.2;
 constexpr double kDegreesPerSecond = 30.0;  // of a survey that rotates
 constexpr double kAssumedDistance = 3.0;    // m, where nothing is under the cursor
 
-Vec3d low_corner(const OctreeView& octree) {
-    return octree.grid.origin + vec3_cast<double>(octree.bounds_min);
-}
-
-Vec3d high_corner(const OctreeView& octree) {
-    return octree.grid.origin + vec3_cast<double>(octree.bounds_max);
+Box bounds_of(const OctreeView& octree) {
+    return {octree.grid.origin + vec3_cast<double>(octree.bounds_min),
+            octree.grid.origin + vec3_cast<double>(octree.bounds_max)};
 }
 
 }  // namespace
@@ -29,13 +26,16 @@ Navigator::Navigator(const OctreeView& octree, const Camera& start, ControlSchem
       scheme_(scheme),
       mode_(first_mode(scheme)),
       camera_(start),
-      survey_(fitted_survey(low_corner(octree), high_corner(octree), 0.0, -90.0, start.width,
-                            start.height)),
+      survey_(fitted_survey(bounds_of(octree), 0.0, -90.0, start.width, start.height)),
       screen_height_(start.height) {}
+
+Box Navigator::bounds() const {
+    return bounds_of(octree_);
+}
 
 View Navigator::view(int width, int height) const {
     if (!in_survey()) return view_of(camera_.camera(width, height));
-    const Vec3d low = low_corner(octree_), high = high_corner(octree_);
+    const auto [low, high] = bounds();
     const double extent = length(high - low) + length(survey_.centre - (low + high) / 2.0) + 1.0;
     SurveyView scaled = survey_;
     scaled.metres_per_pixel *= static_cast<double>(screen_height_) / height;
@@ -49,8 +49,7 @@ void Navigator::set_scheme(ControlScheme scheme) {
 
 void Navigator::show_survey(double tilt_deg, int width, int height) {
     const double bearing = in_survey() ? survey_.bearing_deg : 0.0, section = survey_.section;
-    survey_ =
-        fitted_survey(low_corner(octree_), high_corner(octree_), bearing, tilt_deg, width, height);
+    survey_ = fitted_survey(bounds(), bearing, tilt_deg, width, height);
     survey_.section = section;
     mode_ = MoveMode::kSurvey;
 }
@@ -66,8 +65,7 @@ void Navigator::face(double bearing_deg) {
 void Navigator::reset(int width, int height) {
     rotating_ = false;
     if (in_survey()) {
-        survey_ =
-            fitted_survey(low_corner(octree_), high_corner(octree_), 0.0, -90.0, width, height);
+        survey_ = fitted_survey(bounds(), 0.0, -90.0, width, height);
     } else {
         camera_.take_place_of(start_);
     }

@@ -28,6 +28,18 @@ void draw_survey_controls(WindowState& state) {
     if (state.cut) ImGui::SliderFloat("m off the middle", &state.section, -50.0f, 50.0f, "%.2f");
 }
 
+void draw_clip_box(WindowState& state) {
+    ImGui::Checkbox("clip box", &state.clip);
+    ImGui::SameLine();
+    ask(state, "4 m round here", Command::kClipHere);
+    if (!state.clip) return;
+    constexpr float kMetresPerPixel = 0.02f;
+    ImGui::DragScalarN("from, m", ImGuiDataType_Double, &state.clip_box.low.x, 3, kMetresPerPixel,
+                       nullptr, nullptr, "%.2f");
+    ImGui::DragScalarN("to, m", ImGuiDataType_Double, &state.clip_box.high.x, 3, kMetresPerPixel,
+                       nullptr, nullptr, "%.2f");
+}
+
 }  // namespace
 
 void draw_picture_section(WindowState& state) {
@@ -38,10 +50,15 @@ void draw_picture_section(WindowState& state) {
     int curve = static_cast<int>(state.curve), layer = static_cast<int>(state.layer);
     combo("tone curve", &curve, kToneCurveNames, std::size(kToneCurveNames));
     combo("show", &layer, kLayerNames, std::size(kLayerNames));
+    if (of_octree(static_cast<Layer>(layer))) {
+        ImGui::SliderInt("level", &state.level, 0, state.levels - 1);
+    }
     state.curve = static_cast<ToneCurve>(curve);
     state.layer = static_cast<Layer>(layer);
     ImGui::SliderFloat("point budget", &state.pixels_between_points, 0.3f, 4.0f,
                        "a point each %.1f px");
+    ImGui::SliderFloat("wetness", &state.wetness, 0.0f, 1.0f, "%.2f");
+    draw_clip_box(state);
     ImGui::Checkbox("lamps", &state.show_lamps);
     ImGui::SameLine();
     ImGui::Checkbox("stations", &state.show_stations);

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "viewer/app/console.h"
 #include "viewer/app/default_scene.h"
@@ -32,6 +33,9 @@ WindowState state_of(const Options& options, const Cave& cave, Scene& scene) {
     state.automatic_exposure = !options.display.exposure;
     state.exposure = static_cast<float>(options.display.exposure.value_or(0.0));
     state.pixels_between_points = options.frame.selection.quality;
+    state.wetness = options.frame.wetness;
+    state.level = static_cast<int>(cave.light().grid.depth);
+    state.levels = state.level + 1;
     state.scheme = options.controls;
     state.light = options.light;
     state.limit_bounces = options.bounces.has_value();
@@ -69,6 +73,7 @@ Session::Session(const Options& options, const Cave& cave)
       frame_(context_, cave.points(), options.frame),
       panel_(window_.get()) {
     rebuild_light();
+    state_.clip_box = navigator_.bounds();
     state_.vfov_deg = static_cast<float>(navigator_.camera().vfov_deg());
     navigator_.set_screen_height(std::max(window_.screen().height, 1));
     if (navigator_.in_survey()) carry_out({Command::kPlan});
@@ -93,6 +98,12 @@ std::optional<NextCave> Session::run() {
         show(seconds);
     }
     return std::move(next_);
+}
+
+View Session::view_of_size(int width, int height) const {
+    View view = navigator_.view(width, height);
+    if (state_.clip) view.clip = state_.clip_box;
+    return view;
 }
 
 Scene Session::lit_scene() const {
@@ -155,6 +166,7 @@ bool Session::draw_frame() {
     SelectionSettings selection = options_.frame.selection;
     selection.quality = state_.pixels_between_points;
     frame_.set_selection(selection);
+    frame_.set_wetness(state_.wetness);
     const double begun = now_seconds();
     const View view =
         view_of_size(std::max(extent.width / divisor, 1), std::max(extent.height / divisor, 1));
@@ -200,7 +212,8 @@ void Session::show(double seconds) {
     if (state_.layer == Layer::kPicture) {
         display_.draw(frame_.beauty(), target, state_.exposure, state_.curve);
     } else {
-        inspector_.draw(frame_, state_.layer, target, state_.exposure, state_.curve);
+        inspector_.draw(frame_, light_->field(),
+                        {state_.layer, state_.level, state_.exposure, state_.curve}, target);
     }
     canvas_.present(pixels.width, pixels.height);
 
@@ -210,9 +223,13 @@ void Session::show(double seconds) {
     state_.scheme = navigator_.scheme();
     state_.speed = static_cast<float>(navigator_.camera().speed());
     state_.vfov_deg = static_cast<float>(navigator_.camera().vfov_deg());
-    const float pixels_between = state_.pixels_between_points;
+    const auto drawn_from = [&] {
+        return std::tuple(state_.pixels_between_points, state_.wetness, state_.clip,
+                          state_.clip_box);
+    };
+    const auto before = drawn_from();
     panel_.draw(state_, view_of_size(screen.width, screen.height));
-    stale_ = stale_ || pixels_between != state_.pixels_between_points;
+    stale_ = stale_ || before != drawn_from();
     window_.swap();
     if (shown_ == 0) spdlog::debug("the first picture after {:.2f} s", now_seconds() - opened_at_);
     if (shown_ < std::numeric_limits<int>::max()) ++shown_;

@@ -37,7 +37,7 @@ class Session {
 
   private:
     // session.cpp: drawing, and light that propagates meanwhile
-    View view_of_size(int width, int height) const { return navigator_.view(width, height); }
+    View view_of_size(int width, int height) const;
     Scene lit_scene() const;
     void relight_if_changed();
     void move_headlamp();

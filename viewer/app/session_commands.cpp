@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kKeyframeSeconds = 2.0;  // from one keyframe to the next, until it is edited
 constexpr double kLookAhead = 3.0;        // m: what a keyframe's camera looks at
+constexpr double kClipReach = 2.0;        // m: from the middle of a new clip box to its sides
 constexpr double kBesideEye = 0.2;        // m: a lamp that is put down is not in the eye
 
 }  // namespace
@@ -162,6 +163,14 @@ void Session::carry_out(const Request& request) {
                 moved();
             }
             break;
+        case Command::kClipHere: {
+            const Vec3d reach{kClipReach, kClipReach, kClipReach};
+            const Vec3d middle = navigator_.in_survey() ? navigator_.survey().centre
+                                                        : navigator_.camera().position();
+            state_.clip_box = {middle - reach, middle + reach};
+            state_.clip = true;
+            break;
+        }
         case Command::kRebuildLight:
             rebuild_light();
             break;

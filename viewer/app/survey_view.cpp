@@ -27,8 +27,9 @@ Vec3d down_of(const SurveyView& survey) {
 
 }  // namespace
 
-SurveyView fitted_survey(const Vec3d& low, const Vec3d& high, double bearing_deg, double tilt_deg,
-                         int width, int height) {
+SurveyView fitted_survey(const Box& box, double bearing_deg, double tilt_deg, int width,
+                         int height) {
+    const auto& [low, high] = box;
     SurveyView survey;
     survey.centre = (low + high) / 2.0;
     survey.bearing_deg = bearing_deg;

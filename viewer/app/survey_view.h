@@ -15,8 +15,8 @@ struct SurveyView {
 };
 
 /// The whole of a box in a picture of that size, from the given side.
-SurveyView fitted_survey(const Vec3d& low, const Vec3d& high, double bearing_deg, double tilt_deg,
-                         int width, int height);
+SurveyView fitted_survey(const Box& box, double bearing_deg, double tilt_deg, int width,
+                         int height);
 
 /// What is drawn. Depth counts from the section, at most `extent` m before the centre.
 View view_of(const SurveyView& survey, int width, int height, double extent);

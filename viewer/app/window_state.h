@@ -7,11 +7,11 @@
 
 #include "viewer/app/camera_path.h"
 #include "viewer/app/commands.h"
-#include "viewer/app/inspector.h"
 #include "viewer/app/lamps.h"
 #include "viewer/app/measure.h"
 #include "viewer/app/probes.h"
-#include "viewer/frame/display.h"
+#include "viewer/frame/inspector.h"
+#include "viewer/frame/view.h"
 #include "viewer/light/settings.h"
 
 namespace glowworm {
@@ -44,7 +44,12 @@ struct WindowState {
     float exposure = 0.0f;  ///< stops
     ToneCurve curve = ToneCurve::kAgx;
     Layer layer = Layer::kPicture;
+    int level = 0;   ///< of the octree's `levels` that a layer of it shows
+    int levels = 1;
+    float wetness = 0.0f;
     float pixels_between_points = 0.7f;
+    bool clip = false;  ///< only what lies in the box is drawn
+    Box clip_box;
     bool show_stations = false, show_lamps = true, show_path = true;
 
     // moving

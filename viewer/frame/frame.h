@@ -36,6 +36,7 @@ class Frame {
     const Buffer& beauty() const { return shading_.beauty(); }
     const GBuffer& gbuffer() const { return gbuffer_; }
     const Shading& shading() const { return shading_; }
+    void set_wetness(float wetness) { settings_.wetness = wetness; }
     void set_selection(const SelectionSettings& selection) { settings_.selection = selection; }
     std::uint64_t surfels_drawn() const { return surfels_drawn_; }  ///< by the last draw
 

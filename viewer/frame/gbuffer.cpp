@@ -21,6 +21,10 @@ gpu::ViewBlock view_block_of(const View& view, const Vec3d& origin) {
     block.forward = vec4_of(view.forward, view.centre_y);
     block.width = static_cast<std::uint32_t>(view.width);
     block.height = static_cast<std::uint32_t>(view.height);
+    constexpr double kUnbounded = 1e30;
+    const Vec3d everywhere{kUnbounded, kUnbounded, kUnbounded};
+    block.clip_low = vec4_of(view.clip ? view.clip->low - origin : -everywhere, 0.0);
+    block.clip_high = vec4_of(view.clip ? view.clip->high - origin : everywhere, 0.0);
     return block;
 }
 

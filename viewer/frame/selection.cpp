@@ -41,6 +41,14 @@ bool may_be_seen(const std::array<Plane, 5>& frustum, const Vec3d& centre, doubl
     return true;
 }
 
+bool overlaps(const Box& box, const Vec3d& centre, double half_edge) {
+    for (int axis = 0; axis < 3; ++axis) {
+        if (centre[axis] + half_edge < box.low[axis] || centre[axis] - half_edge > box.high[axis])
+            return false;
+    }
+    return true;
+}
+
 double distance_to_box(const Vec3d& point, const Vec3d& centre, double half_edge) {
     Vec3d outside;
     for (int axis = 0; axis < 3; ++axis) {
@@ -74,6 +82,7 @@ std::vector<ChunkSelection> select_chunks(std::span<const Chunk> chunks, const V
         if (!may_be_seen(frustum, centre, half_edge + settings.splat_scale * chunk.max_radius)) {
             continue;
         }
+        if (view.clip && !overlaps(*view.clip, centre, half_edge)) continue;
 
         // A prefix of n surfels lies spacing · sqrt(count / n) apart.
         const double distance = distance_to_box(view.position, centre, half_edge);

@@ -1,9 +1,17 @@
 #pragma once
 
+#include <optional>
+
 #include "octree/scene.h"
 #include "octree/vec3.h"
 
 namespace glowworm {
+
+/// An axis-aligned box, m, world.
+struct Box {
+    Vec3d low, high;
+    bool operator==(const Box&) const = default;
+};
 
 /// What a picture is taken through: a pinhole or an orthographic camera over a rectangle of pixels.
 /// Camera space counts pixels to the right and down and depth forward; depth is the distance along
@@ -18,6 +26,7 @@ struct View {
     double centre_x = 0.0;  ///< pixels: where the view axis meets the picture
     double centre_y = 0.0;
     int width = 0, height = 0;  ///< pixels
+    std::optional<Box> clip;    ///< only what lies within is drawn; light comes from all the cave
 };
 
 struct PixelPoint {

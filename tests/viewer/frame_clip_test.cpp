@@ -1,0 +1,106 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "analytic_cave.h"
+#include "octree/build.h"
+#include "viewer/frame/inspector.h"
+#include "viewer/frame/frame.h"
+
+namespace glowworm {
+namespace {
+
+constexpr Vec3f kLow{-2.0f, -1.5f, 0.0f}, kHigh{2.0f, 1.5f, 2.4f};
+constexpr int kWidth = 96, kHeight = 72;
+
+struct Room {
+    Context context = Context::headless();
+    Octree octree = build_octree(testing::closed_room(kLow, kHigh, 0.04f), {.depth = 5});
+    Scene scene{{{"lamp", {0.5, 0.3, 1.4}, {3, 3, 3}}}, {}, {}, {}};
+    LightField light{context, octree.view(), scene};
+    Frame frame{context, octree.view(), {.selection = {}, .samples = 1}};
+};
+
+/// From outside through the +x wall into the room.
+View from_outside() {
+    Camera camera;
+    camera.position = {6.0, 0.2, 1.2};
+    camera.look_at = {0.0, 0.2, 1.2};
+    camera.vfov_deg = 40.0;
+    camera.width = kWidth;
+    camera.height = kHeight;
+    return view_of(camera);
+}
+
+TEST(ClipBox, DrawsWhatLiesInItAndNothingElse) {
+    Room room;
+    View view = from_outside();
+    view.clip = Box{{-1.0, -0.8, 0.5}, {1.0, 0.8, 3.0}};
+    const FrameLayers layers = room.frame.render(view, room.light);
+    int inside = 0, lit = 0, outside = 0;
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+            const auto pixel = static_cast<std::size_t>(y * kWidth + x);
+            if (layers.depth[pixel] <= 0.0f) continue;
+            const ViewRay ray = ray_through(view, x + 0.5, y + 0.5);
+            const Vec3d point = ray.origin + ray.direction * double{layers.depth[pixel]};
+            bool in = true;
+            for (int axis = 0; axis < 3; ++axis) {
+                // A disc whose centre lies inside reaches over the side by its radius.
+                in = in && point[axis] > view.clip->low[axis] - 0.1 &&
+                     point[axis] < view.clip->high[axis] + 0.1;
+            }
+            (in ? inside : outside) += 1;
+            lit += in && layers.direct[pixel].x > 0.0f ? 1 : 0;
+        }
+    }
+    std::cout << inside << " pixels in the box, " << lit << " lit by the lamp, " << outside
+              << " outside\n";
+    EXPECT_EQ(outside, 0);
+    EXPECT_GT(inside, 20) << "the ceiling's underside, seen at a slant";
+    EXPECT_EQ(lit, inside) << "light is that of the whole room";
+
+    view.clip.reset();
+    const FrameLayers whole = room.frame.render(view, room.light);
+    const auto drawn = kWidth * kHeight - std::ranges::count(whole.depth, 0.0f);
+    EXPECT_GT(drawn, 4 * inside) << "the far wall, floor and ceiling";
+}
+
+TEST(Inspector, ShowsTheCellsOfALevelAndWhatTheyRadiate) {
+    Room room;
+    Camera camera;
+    camera.position = {-1.0, 0.0, 1.2};
+    camera.look_at = {2.0, 0.0, 1.2};
+    camera.width = kWidth;
+    camera.height = kHeight;
+    room.frame.draw(view_of(camera), room.light);
+    Inspector inspector;
+    const Texture target("target", GL_RGBA8, kWidth, kHeight);
+    const auto colours_of = [&](Layer layer, int level) {
+        inspector.draw(room.frame, room.light, {layer, level, 0.0, ToneCurve::kLinear}, target);
+        std::vector<std::uint32_t> pixels(kWidth * kHeight);
+        glGetTextureImage(target.name(), 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                          static_cast<GLsizei>(pixels.size() * 4), pixels.data());
+        return pixels;
+    };
+    const auto kinds = [](std::vector<std::uint32_t> pixels) {
+        std::ranges::sort(pixels);
+        return std::unique(pixels.begin(), pixels.end()) - pixels.begin();
+    };
+    // Eight cells at the first level, of which a look along +x meets at most all; 12.5 cm at the
+    // last, of which the far wall alone shows hundreds.
+    EXPECT_EQ(kinds(colours_of(Layer::kVoxels, 0)), 1);
+    EXPECT_LE(kinds(colours_of(Layer::kVoxels, 1)), 8);
+    EXPECT_GT(kinds(colours_of(Layer::kVoxels, 5)), 200);
+
+    const auto red = [](std::uint32_t pixel) { return int(pixel & 255u); };
+    const auto opacity = colours_of(Layer::kOpacity, 5), radiance = colours_of(Layer::kRadiance, 5);
+    const std::size_t middle = kHeight / 2 * kWidth + kWidth / 2;
+    EXPECT_GT(red(opacity[middle]), 240) << "a wall seen face on";
+    EXPECT_GT(red(radiance[middle]), 10) << "lit by the lamp";
+    EXPECT_THAT(room.context.errors(), ::testing::IsEmpty());
+}
+
+}  // namespace
+}  // namespace glowworm
