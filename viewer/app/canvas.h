@@ -11,6 +11,7 @@ class Canvas {
     const Texture& target(int width, int height);
     /// Copies it over the window's framebuffer of that size.
     void present(int window_width, int window_height) const;
+    const Framebuffer& framebuffer() const { return framebuffer_; }
 
   private:
     Texture texture_;

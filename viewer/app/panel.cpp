@@ -70,8 +70,9 @@ void Panel::draw(WindowState& state, const View& view) {
         ImGui::SetNextWindowSize({320, static_cast<float>(view.height) - 20}, ImGuiCond_Once);
         ImGui::Begin("Glowworm");
         ImGui::PushItemWidth(-110.0f);
-        ImGui::Text("%.0f ms a frame at 1/%d, %.2f m/s", state.frame_ms, state.divisor,
-                    static_cast<double>(state.speed));
+        ImGui::Text("%.0f ms a frame at 1/%d, %.0f %% sharp", state.frame_ms, state.divisor,
+                    (state.divisor == 1 ? 1.0 : state.sharpened) * 100.0);
+        ImGui::Text("flies at %.2f m/s", static_cast<double>(state.speed));
         ImGui::TextWrapped("light: %s", state.light_status.c_str());
         ImGui::TextDisabled("F1 shows the keys, Tab hides the panels");
         draw_sections(state);

@@ -17,10 +17,12 @@
 namespace glowworm {
 namespace {
 
-constexpr double kExposureRate = 4.0;   // 1/s: how fast the eye adapts
-constexpr double kRestSeconds = 0.25;   // without input until the frame is drawn finely
-constexpr double kIdleSeconds = 0.05;   // waited for input where nothing changes
-constexpr double kHeadlampStep = 0.25;  // m: the headlamp follows in steps
+constexpr double kExposureRate = 4.0;    // 1/s: how fast the eye adapts
+constexpr double kRestSeconds = 0.25;    // without input until the frame is drawn finely
+constexpr double kSharpenSeconds = 0.6;  // without input until a coarse frame is made sharp
+constexpr double kSameStops = 0.01;      // of exposure: no longer adapting
+constexpr double kIdleSeconds = 0.05;    // waited for input where nothing changes
+constexpr double kHeadlampStep = 0.25;   // m: the headlamp follows in steps
 constexpr std::size_t kFramesRemembered = 120;
 
 WindowState state_of(const Options& options, const Cave& cave, Scene& scene) {
@@ -162,7 +164,9 @@ bool Session::draw_frame() {
     const WindowExtent extent = window_.framebuffer();
     if (extent.width == 0 || extent.height == 0) return false;  // minimised
     const int divisor = pace_.divisor(resting_seconds() < kRestSeconds);
-    if (!stale_ && divisor >= state_.divisor) return false;
+    stale_ = stale_ || (sharpening_.active() && sharpened_as_ != look());
+    if (!stale_ && divisor >= state_.divisor) return sharpen(extent);
+    sharpening_.stop();
     SelectionSettings selection = options_.frame.selection;
     selection.quality = state_.pixels_between_points;
     frame_.set_selection(selection);
@@ -196,18 +200,47 @@ bool Session::draw_frame() {
     return true;
 }
 
+/// What stands still and was drawn coarsely becomes sharp, a tile a call; false where all is done.
+bool Session::sharpen(const WindowExtent& window) {
+    const bool settled = light_->settled() && exposure_settled();
+    const bool still = resting_seconds() > kSharpenSeconds && state_.tool == Tool::kNone;
+    if (state_.divisor == 1 || state_.layer != Layer::kPicture || !settled || !still) return false;
+    if (!sharpening_.active()) {
+        sharpening_.begin(canvas_.framebuffer(), drawn_.width, drawn_.height, window.width,
+                          window.height);
+        sharpened_as_ = look();
+    }
+    if (sharpening_.done()) return false;
+    const auto [x, y] = sharpening_.tile();
+    constexpr int kEdge = Sharpening::kTileEdge;
+    frame_.draw(tile_of(view_of_size(window.width, window.height), x, y, kEdge, kEdge),
+                light_->field());
+    display_.draw(frame_.beauty(), sharpening_.target(), state_.exposure, state_.curve);
+    sharpening_.put();
+    return true;
+}
+
+Session::Look Session::look() const {
+    return {state_.layer, state_.curve, state_.automatic_exposure, state_.exposure, state_.tool};
+}
+
+bool Session::exposure_settled() const {
+    return !state_.automatic_exposure || std::abs(wanted_exposure_ - state_.exposure) < kSameStops;
+}
+
 /// The eye adapts over a while, but not to the first picture.
 void Session::adapt_exposure(double seconds) {
-    if (!state_.automatic_exposure) return;
+    if (!state_.automatic_exposure || sharpening_.active()) return;
     const double share = adapted_once_ ? 1.0 - std::exp(-kExposureRate * seconds) : 1.0;
     state_.exposure += static_cast<float>((wanted_exposure_ - state_.exposure) * share);
     adapted_once_ = true;
 }
 
-void Session::show(double seconds) {
-    const WindowExtent pixels = window_.framebuffer(), screen = window_.screen();
-    if (drawn_.width == 0 || pixels.width == 0 || pixels.height == 0) return;  // minimised
-    adapt_exposure(seconds);
+void Session::present(const WindowExtent& window) {
+    if (sharpening_.active()) {
+        sharpening_.present();
+        return;
+    }
     const Texture& target = canvas_.target(drawn_.width, drawn_.height);
     if (state_.layer == Layer::kPicture) {
         display_.draw(frame_.beauty(), target, state_.exposure, state_.curve);
@@ -215,8 +248,16 @@ void Session::show(double seconds) {
         inspector_.draw(frame_, light_->field(),
                         {state_.layer, state_.level, state_.exposure, state_.curve}, target);
     }
-    canvas_.present(pixels.width, pixels.height);
+    canvas_.present(window.width, window.height);
+}
 
+void Session::show(double seconds) {
+    const WindowExtent pixels = window_.framebuffer(), screen = window_.screen();
+    if (drawn_.width == 0 || pixels.width == 0 || pixels.height == 0) return;  // minimised
+    adapt_exposure(seconds);
+    present(pixels);
+
+    state_.sharpened = sharpening_.active() ? sharpening_.share_done() : 0.0;
     state_.light_status = light_->status();
     state_.residuals = light_->residuals();
     state_.mode = navigator_.mode();

@@ -15,6 +15,7 @@
 #include "viewer/app/pace.h"
 #include "viewer/app/panel.h"
 #include "viewer/app/pick.h"
+#include "viewer/app/sharpening.h"
 #include "viewer/app/start.h"
 #include "viewer/app/window_state.h"
 
@@ -36,13 +37,27 @@ class Session {
     std::optional<NextCave> run();
 
   private:
+    /// What a picture looks like beside what is in it, and what it is used for.
+    struct Look {
+        Layer layer = Layer::kPicture;
+        ToneCurve curve = ToneCurve::kAgx;
+        bool automatic_exposure = true;
+        float exposure = 0.0f;
+        Tool tool = Tool::kNone;
+        bool operator==(const Look&) const = default;
+    };
+
     // session.cpp: drawing, and light that propagates meanwhile
     View view_of_size(int width, int height) const;
     Scene lit_scene() const;
     void relight_if_changed();
     void move_headlamp();
     bool draw_frame();
+    bool sharpen(const WindowExtent& window);
+    Look look() const;
+    bool exposure_settled() const;
     void adapt_exposure(double seconds);
+    void present(const WindowExtent& window);
     void show(double seconds);
     double resting_seconds() const;
     void moved();
@@ -56,6 +71,7 @@ class Session {
     void play_path(double seconds);
     std::optional<SurfacePoint> pick(double x, double y);
     std::optional<SurfacePoint> pick_finely(double x, double y);
+    std::optional<SurfacePoint> pick_in_tile(double x, double y);
     int lamp_at(double x, double y) const;
 
     // session_commands.cpp: what keys and panels ask for
@@ -92,6 +108,8 @@ class Session {
     Display display_;
     Inspector inspector_;
     Canvas canvas_;
+    Sharpening sharpening_;
+    Look sharpened_as_;
     Pace pace_;
     std::optional<NextCave> next_;
 

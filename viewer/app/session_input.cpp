@@ -182,6 +182,7 @@ void Session::play_path(double seconds) {
 std::optional<SurfacePoint> Session::pick(double x, double y) {
     const WindowExtent screen = window_.screen();
     if (drawn_.width == 0 || screen.width == 0 || screen.height == 0) return std::nullopt;
+    if (sharpening_.active()) return pick_in_tile(x, y);  // which the frame's surfaces are of
     const double frame_x = x * drawn_.width / screen.width;
     const double frame_y = y * drawn_.height / screen.height;
     // The nearest pixel that has a surface: thin gaps between points do not swallow a click.
@@ -206,17 +207,22 @@ std::optional<SurfacePoint> Session::pick(double x, double y) {
 /// is.
 std::optional<SurfacePoint> Session::pick_finely(double x, double y) {
     const auto coarse = pick(x, y);
+    const auto fine = pick_in_tile(x, y);
+    drawn_ = {};  // the frame's surfaces are gone
+    stale_ = true;
+    return fine ? fine : coarse;
+}
+
+/// From a few pixels drawn anew; the frame then holds them and nothing else.
+std::optional<SurfacePoint> Session::pick_in_tile(double x, double y) {
     const WindowExtent screen = window_.screen();
     const int left = static_cast<int>(x) - kFineTile / 2, top = static_cast<int>(y) - kFineTile / 2;
     const View tile =
         tile_of(view_of_size(screen.width, screen.height), left, top, kFineTile, kFineTile);
     frame_.draw(tile, light_->field());
-    drawn_ = {};  // the frame's surfaces are gone
-    stale_ = true;
     constexpr std::size_t kMiddle = kFineTile / 2 * kFineTile + kFineTile / 2;
     const auto surface = frame_.gbuffer().surfaces().read<gpu::vec4>(1, kMiddle).front();
-    const auto fine = surface_point(tile, surface, x - left, y - top);
-    return fine ? fine : coarse;
+    return surface_point(tile, surface, x - left, y - top);
 }
 
 /// The lamp whose handle is there, the nearest one; -1 for none.

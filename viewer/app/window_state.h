@@ -91,6 +91,7 @@ struct WindowState {
     // what it costs
     double frame_ms = 0.0;
     int divisor = 1;                   ///< a frame pixel's edge in window pixels
+    double sharpened = 0.0;            ///< share of the window that was drawn finely since
     std::vector<float> frame_history;  ///< ms, the newest last
     bool measure_passes = false;
     std::vector<std::pair<std::string, double>> passes;  ///< ms
