@@ -33,6 +33,19 @@ PictureSize size_of(const std::string& text) {
     fail(fmt::format("--size '{}' is not WIDTHxHEIGHT in 1..{} pixels", text, kLargestEdge));
 }
 
+/// What CLI::Range is for integers. That one lets "nan" pass, as no comparison refuses it.
+CLI::Validator number_in(double low, double high) {
+    const std::string range = fmt::format("{} to {}", low, high);
+    return CLI::Validator(
+        [=](const std::string& text) {
+            double value = 0.0;
+            const bool fits =
+                CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
+            return fits ? std::string() : fmt::format("'{}' is not a number in {}", text, range);
+        },
+        "in " + range);
+}
+
 /// A flight becomes a video, or numbered frames where the output is a folder.
 void check_flight(const CLI::App& app, const Options& options) {
     const bool exr = options.frame_format == "exr";
@@ -178,10 +191,10 @@ std::optional<Options> read_options(int argc, char** argv) {
     auto* wetness_option =
         app.add_option("--wetness", wetness,
                        "how much of the walls is wet, 0 to 1; above 0 it turns --specular on")
-            ->check(CLI::Range(0.0, 1.0));
+            ->check(number_in(0.0, 1.0));
     app.add_option("--quality", options.frame.selection.quality,
                    "pixels between drawn points; more is coarser and faster")
-        ->check(CLI::Range(0.1, 100.0))
+        ->check(number_in(0.1, 100.0))
         ->capture_default_str();
     app.add_option("--points", options.frame.selection.most_surfels,
                    "points in a frame at most, 0 for no limit; a denser view is drawn coarser")
@@ -196,7 +209,7 @@ std::optional<Options> read_options(int argc, char** argv) {
         ->capture_default_str();
     auto* exposure_option =
         app.add_option("--exposure", exposure, "stops (EV); measured from the picture without it")
-            ->check(CLI::Range(-50.0, 50.0));
+            ->check(number_in(-50.0, 50.0));
     app.add_option("--tonemap", tonemap, "linear, reinhard, aces or agx")
         ->check(CLI::IsMember({"linear", "reinhard", "aces", "agx"}))
         ->capture_default_str();
