@@ -12,6 +12,7 @@ namespace {
 constexpr float kLeastOffset = 0.25f;   // of a leaf edge: how far a ray starts off its lobe
 constexpr float kSigmasOff = 3.0f;      // of the samples' scatter about the lobe's plane
 constexpr float kLeastDistance = 0.5f;  // leaf edges: a lobe's own neighbours are not met
+constexpr float kLeastBehind = 2.0f;    // leaf edges: nor from behind in the leaves round its own
 constexpr float kSameSurface = 0.5f;    // cosine of 60 degrees
 constexpr float kLampHeight = 0.5f;     // leaf edges: what is that near a lamp's plane is the lamp
 constexpr float kLampCosine = 0.8f;     // and has a normal along its axis
@@ -255,9 +256,14 @@ bool is_unoccluded(const OctreeView& octree, const TraceSettings& settings, cons
             const Lobe& lobe = octree.lobes[i];
             if (lobe.light != 0 && lobe.light == target.light) continue;
             const Vec3f normal = vector_of(lobe.ndf);
-            const float t =
-                dot(normal, vector_of(lobe.position) - ray.origin) / dot(normal, ray.direction);
-            if (!(t >= least_t(ray, normal) && t <= ray.t_max)) continue;
+            const float slope = dot(normal, ray.direction);
+            const float t = dot(normal, vector_of(lobe.position) - ray.origin) / slope;
+            float least = least_t(ray, normal);
+            // A point of a bumpy wall may lie a little under the planes beside it.
+            if (slope > 0.0f && dot(normal, ray.normal) > kSameSurface) {
+                least = std::max(least, kLeastBehind * leaf.edge);
+            }
+            if (!(t >= least && t <= ray.t_max)) continue;
             if (!meets(octree, settings, leaf, ray, i, t)) continue;
             const Vec3f point = ray.origin + ray.direction * t;
             const bool lamps_wall =

@@ -10,6 +10,7 @@ const float kLeastOffset = 0.25;     // leaf edges: how far a ray starts off its
 const float kPointOffset = 0.03;
 const float kSigmasOff = 3.0;        // of the samples' scatter about the lobe's plane
 const float kLeastDistance = 0.5;    // leaf edges: the surface it leaves is not met nearer
+const float kLeastBehind = 2.0;      // leaf edges: nor from behind in the leaves round its own
 const float kSameSurface = 0.5;      // cosine of 60 degrees
 const float kLampHeight = 0.5;       // leaf edges: what is that near a lamp's plane is the lamp
 const float kLampCosine = 0.8;       // and has a normal along its axis
@@ -196,8 +197,13 @@ bool unoccluded(vec3 origin, vec3 direction, vec3 from_normal, float t_min, floa
         for (uint i = leaf.first; i < leaf.last; ++i) {
             if (lobes[i].light != 0u && lobes[i].light == tag) continue;
             vec3 normal = lobe_ndf(i);
-            float t = dot(normal, lobe_position(i) - origin) / dot(normal, direction);
-            float least = dot(normal, from_normal) > kSameSurface ? t_min : 0.0;
+            float slope = dot(normal, direction);
+            float t = dot(normal, lobe_position(i) - origin) / slope;
+            float least = 0.0;
+            if (dot(normal, from_normal) > kSameSurface) {
+                // A point of a bumpy wall may lie a little under the planes beside it.
+                least = slope > 0.0 ? max(t_min, kLeastBehind * grid.voxel_size) : t_min;
+            }
             if (!(t >= least && t <= t_max)) continue;
             vec3 point = origin + direction * t;
             if (!meets(leaf, i, point)) continue;
