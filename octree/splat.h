@@ -10,7 +10,7 @@
 namespace glowworm {
 
 /// How a surfel is laid over voxels: as a disc of `pieces` equal areas. The disc is as large as the
-/// area it stands for, and up to twice as wide where samples are so sparse (area above 0.44 voxel
+/// area it stands for, and up to twice as wide where samples are so sparse (area above 0.25 voxel
 /// faces) that discs of their own area would leave holes.
 struct Splat {
     std::uint32_t rings = 0;   ///< 0: a point, else concentric rings around it
