@@ -1,142 +1,135 @@
-// Cones, the 2016 paper's cones and links side by side: error against the formula for a closed
-// sphere, and with a file the time that tracing, a bounce and settling take.
-//   bench_light [DEPTH [CAVE.svo SCENE.json]]
+// Cones, the 2016 paper's cones and links side by side: how near each comes to what is known of
+// simple caves, and with a file the time that tracing, a bounce and settling take.
+//   bench_light sphere|density|cube|wall|tunnel [DEPTH]
+//   bench_light speed DEPTH CAVE.svo SCENE.json
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <chrono>
-#include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <exception>
-#include <numbers>
-#include <vector>
+#include <string_view>
 
-#include "octree/build.h"
-#include "viewer/app/cave.h"
-#include "viewer/gpu/context.h"
-#include "viewer/light/light_field.h"
+#include "light_speed.h"
+#include "tests/viewer/light_accuracy.h"
 
 namespace glowworm {
 namespace {
 
-constexpr double kIntensity = 10.0;  // W/sr
-constexpr double kRadius = 2.0;      // m
+using namespace testing;
 
-struct Method {
-    const char* name;
-    LightSettings settings;
-};
+constexpr std::array<LightMethod, 3> kMethods = {{
+    {"links", {}},
+    {"6 cones", {.gather = Gather::kCones}},
+    {"faithful", {.gather = Gather::kCones, .faithful = true}},
+}};
 
-const std::array<Method, 3>& methods() {
-    static const std::array<Method, 3> all = {{
-        {"links", {}},
-        {"6 cones", {.gather = Gather::kCones}},
-        {"faithful", {.gather = Gather::kCones, .faithful = true}},
-    }};
-    return all;
+constexpr std::size_t kPhotons = 20'000'000;  // for truth
+
+double percent(double share) {
+    return 100.0 * share;
 }
 
-double seconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
-
-/// The inside of a sphere, evenly covered (a Fibonacci lattice).
-SurfelCloud sphere(int count, float albedo) {
-    SurfelCloud cloud;
-    const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
-    for (int i = 0; i < count; ++i) {
-        const double z = 1.0 - (2.0 * i + 1.0) / count;
-        const double r = std::sqrt(1.0 - z * z);
-        const Vec3d n{r * std::cos(golden * i), r * std::sin(golden * i), z};
-        Surfel& surfel = cloud.surfels.emplace_back();
-        surfel.position = vec3_cast<float>(n * kRadius);
-        surfel.normal = vec3_cast<float>(-n);
-        surfel.radius = static_cast<float>(2.0 * kRadius / std::sqrt(count));
-        surfel.albedo = {albedo, albedo, albedo};
-    }
-    return cloud;
-}
-
-/// E_indirect = flux / (4 pi R^2) rho / (1 - rho) everywhere, wherever the lamp stands.
 void sphere_table(const Context& context, std::uint32_t depth) {
     fmt::print("{:8} {:>6} {:>6} {:>9} {:>9} {:>9} {:>8}\n", "method", "albedo", "lamp m", "mean %",
                "rms %", "worst %", "bounces");
+    const auto row = [&](const LightMethod& method, float albedo, double off_centre) {
+        const SphereAccuracy a =
+            sphere_accuracy(context, method.settings, depth, albedo, off_centre);
+        fmt::print("{:8} {:6.1f} {:6.1f} {:9.3f} {:9.3f} {:9.2f} {:8}\n", method.name, albedo,
+                   off_centre, percent(a.mean), percent(a.rms), percent(a.worst), a.bounces);
+    };
     for (const float albedo : {0.2f, 0.5f, 0.8f}) {
-        BuildSettings build;
-        build.depth = depth;
-        const Octree octree = build_octree(sphere(10 << (2 * depth), albedo), build);
-        const double rho = static_cast<double>(albedo);
-        const double truth = kIntensity / (kRadius * kRadius) * rho / (1.0 - rho);
-        for (const double off_centre : {0.0, 0.6 * kRadius}) {
-            Scene scene;
-            const auto power = static_cast<float>(kIntensity);
-            scene.point_lights.push_back({"lamp", {off_centre, 0.0, 0.0}, {power, power, power}});
-            for (const Method& method : methods()) {
-                LightField field(context, octree.view(), scene, method.settings);
-                const Convergence convergence = field.converge();
-                double mean = 0.0, squares = 0.0, worst = 0.0;
-                const auto indirect = field.read_indirect();
-                for (const gpu::vec4& e : indirect) {
-                    const double error = 100.0 * (static_cast<double>(e.x) / truth - 1.0);
-                    mean += error / static_cast<double>(indirect.size());
-                    squares += error * error / static_cast<double>(indirect.size());
-                    worst = std::max(worst, std::abs(error));
-                }
-                fmt::print("{:8} {:6.1f} {:6.1f} {:9.3f} {:9.3f} {:9.2f} {:8}\n", method.name,
-                           albedo, off_centre, mean, std::sqrt(squares), worst,
-                           convergence.bounces);
-            }
+        for (const double off_centre : {0.0, 1.2}) {
+            for (const LightMethod& method : kMethods)
+                row(method, albedo, off_centre);
+        }
+    }
+    row({"256", {.links = 256}}, 0.8f, 1.2);
+}
+
+void density_table(const Context& context, std::uint32_t depth) {
+    fmt::print("{:8} {:>12} {:>9} {:>9}\n", "method", "points/face", "mean %", "rms %");
+    for (const double points_per_face : {0.5, 1.0, 2.0, 4.0}) {
+        for (const LightMethod& method : kMethods) {
+            const SphereAccuracy a =
+                sphere_accuracy(context, method.settings, depth, 0.8f, 1.2, points_per_face);
+            fmt::print("{:8} {:12.1f} {:9.3f} {:9.3f}\n", method.name, points_per_face,
+                       percent(a.mean), percent(a.rms));
         }
     }
 }
 
-/// GB/s of a copy that no cache holds, read and written bytes together.
-double memory_bandwidth() {
-    const std::vector<char> from(256 << 20, 1);
-    std::vector<char> to(from.size());
-    std::memcpy(to.data(), from.data(), from.size());
-    const double start = seconds();
-    std::memcpy(to.data(), from.data(), from.size());
-    return 2e-9 * static_cast<double>(from.size()) / (seconds() - start);
+void cube_table(const Context& context, std::uint32_t depth) {
+    fmt::print("{:8} {:>6} {:>8} {:>8} {:>9}   settled: emitter and walls, %\n", "method", "albedo",
+               "bias %", "nrms %", "emitter %");
+    for (const double albedo : {0.5, 0.8}) {
+        const KnownLight cube = known_cube(albedo, kPhotons);
+        const auto row = [&](const LightMethod& method) {
+            const CubeAccuracy a = cube_accuracy(context, method.settings, depth, cube);
+            fmt::print("{:8} {:6.1f} {:8.2f} {:8.2f} {:9.2f}  ", method.name, albedo,
+                       percent(a.bias), percent(a.nrms), percent(a.emitter));
+            for (const double wall : a.walls)
+                fmt::print(" {:7.2f}", percent(wall));
+            fmt::print("\n");
+        };
+        for (const LightMethod& method : kMethods)
+            row(method);
+        row({"1024", {.links = 1024}});
+    }
 }
 
-void speed_table(const Context& context, const char* file, const char* scene_file,
-                 std::uint32_t depth) {
-    const Cave cave = open_cave(file, depth);
-    const Scene scene = read_scene(scene_file);
-    const OctreeView octree = cave.light();
-    const auto lobes = static_cast<double>(octree.lobes.size());
-    fmt::print("\n{}: light at depth {}, {} lobes; a copy moves {:.1f} GB/s\n", file,
-               octree.grid.depth, octree.lobes.size(), memory_bandwidth());
-    fmt::print("{:8} {:>10} {:>10} {:>11} {:>8} {:>14} {:>9} {:>12}\n", "method", "inject ms",
-               "prepare ms", "ms / bounce", "bounces", "settled in ms", "lamp ms", "B/lobe, GB/s");
-    for (const Method& method : methods()) {
-        const double begin = seconds();
-        LightField field(context, octree, scene, method.settings);
-        field.read_direct();
-        const double injected = seconds();
-        field.prepare();
-        const double prepared = seconds();
-        const Convergence convergence = field.converge();
-        field.read_indirect();
-        const double settled = seconds();
-        field.set_scene(scene);  // as a moved lamp is
-        field.read_direct();
-        const double moved = seconds();
-        const double bounce = (settled - prepared) / convergence.bounces;
-        // A link is read with the radiance at its end; radiance, x and T(x) are read and written.
-        const double bytes = method.settings.gather == Gather::kLinks
-                                 ? method.settings.links * (4.0 + 16.0) + 6 * 16.0
-                                 : 0.0;
-        fmt::print("{:8} {:10.0f} {:10.0f} {:11.1f} {:8} {:14.0f} {:9.0f} {:6.0f}, {:4.1f}\n",
-                   method.name, 1e3 * (injected - begin), 1e3 * (prepared - injected), 1e3 * bounce,
-                   convergence.bounces, 1e3 * (settled - prepared), 1e3 * (moved - settled), bytes,
-                   1e-9 * bytes * lobes / bounce);
+void wall_table(const Context& context, std::uint32_t depth) {
+    fmt::print("{:8} {:>12} {:>14} {:>14}\n", "method", "wall, leaves", "leak, lobes %", "meter %");
+    for (const double voxels : {0.5, 1.0, 2.0, 4.0}) {
+        for (const LightMethod& method : kMethods) {
+            const WallLeak leak = wall_leak(context, method.settings, depth, voxels);
+            fmt::print("{:8} {:12.1f} {:14.4f} {:14.4f}\n", method.name, voxels,
+                       percent(leak.lobes), percent(leak.meter));
+        }
     }
+}
+
+void tunnel_table(const Context& context, std::uint32_t depth) {
+    fmt::print("{:8} {:>6}   settled: sections, the lit one first, %\n", "method", "albedo");
+    for (const double albedo : {0.8, 0.5}) {
+        const KnownLight tunnel = known_tunnel(albedo, kPhotons);
+        for (const LightMethod& method : kMethods) {
+            fmt::print("{:8} {:6.1f}", method.name, albedo);
+            for (const double error : tunnel_accuracy(context, method.settings, depth, tunnel))
+                fmt::print(" {:7.2f}", percent(error));
+            fmt::print("\n");
+        }
+        fmt::print("links to 1 % at the far end: {} bounces\n",
+                   bounces_to_far_end(context, {}, depth, tunnel));
+    }
+}
+
+int run(int argc, char** argv) {
+    const std::string_view what = argc > 1 ? argv[1] : "sphere";
+    const auto depth = static_cast<std::uint32_t>(argc > 2 ? std::atoi(argv[2]) : 6);
+    const Context context = Context::headless();
+    if (what == "speed" && argc == 5) {
+        speed_table(context, kMethods, argv[3], argv[4], depth);
+        return 0;
+    }
+    constexpr struct {
+        std::string_view name;
+        void (*print)(const Context&, std::uint32_t);
+    } kTables[] = {{"sphere", sphere_table},
+                   {"density", density_table},
+                   {"cube", cube_table},
+                   {"wall", wall_table},
+                   {"tunnel", tunnel_table}};
+    for (const auto& table : kTables) {
+        if (table.name != what) continue;
+        table.print(context, depth);
+        return 0;
+    }
+    fmt::print(stderr,
+               "bench_light sphere|density|cube|wall|tunnel [DEPTH]\n"
+               "bench_light speed DEPTH CAVE.svo SCENE.json\n");
+    return 2;
 }
 
 }  // namespace
@@ -144,16 +137,9 @@ void speed_table(const Context& context, const char* file, const char* scene_fil
 
 int main(int argc, char** argv) {
     try {
-        const auto depth = static_cast<std::uint32_t>(argc > 1 ? std::atoi(argv[1]) : 5);
-        const auto context = glowworm::Context::headless();
-        if (argc > 3) {
-            glowworm::speed_table(context, argv[2], argv[3], depth);
-        } else {
-            glowworm::sphere_table(context, depth);
-        }
+        return glowworm::run(argc, argv);
     } catch (const std::exception& error) {
         fmt::print(stderr, "bench_light: {}\n", error.what());
         return 1;
     }
-    return 0;
 }

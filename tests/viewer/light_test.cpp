@@ -3,41 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <numbers>
 
 #include "analytic_cave.h"
 #include "light_reference.h"
 #include "octree/build.h"
 #include "octree/close_patches.h"
-#include "octree/error.h"
 #include "octree/links.h"
 #include "viewer/gpu/context.h"
-#include "viewer/light/anderson.h"
 #include "viewer/light/light_field.h"
 
 namespace glowworm {
 namespace {
 
-using ::testing::ElementsAre;
 using ::testing::IsEmpty;
-
-/// The inside of a sphere round the origin, evenly covered (a Fibonacci lattice).
-SurfelCloud sphere(double radius, int count, float albedo) {
-    SurfelCloud cloud;
-    const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
-    for (int i = 0; i < count; ++i) {
-        const double z = 1.0 - (2.0 * i + 1.0) / count;
-        const double r = std::sqrt(1.0 - z * z);
-        const Vec3d n{r * std::cos(golden * i), r * std::sin(golden * i), z};
-        Surfel surfel;
-        surfel.position = vec3_cast<float>(n * radius);
-        surfel.normal = vec3_cast<float>(-n);
-        surfel.radius = static_cast<float>(2.0 * radius / std::sqrt(count));
-        surfel.albedo = {albedo, albedo, albedo};
-        cloud.surfels.push_back(surfel);
-    }
-    return cloud;
-}
 
 Octree at_depth(const SurfelCloud& cloud, std::uint32_t depth) {
     BuildSettings settings;
@@ -50,44 +28,6 @@ Scene lamp_at(const Vec3d& position) {
     scene.point_lights.push_back({"lamp", position, {10.0f, 10.0f, 10.0f}});
     return scene;
 }
-
-/// A sphere reflects light evenly: E_indirect = flux / (4 pi R^2) rho / (1 - rho) everywhere.
-double sphere_irradiance(double intensity, double radius, double albedo) {
-    return intensity / (radius * radius) * albedo / (1.0 - albedo);
-}
-
-class LightOnSphere : public ::testing::TestWithParam<float> {};
-
-TEST_P(LightOnSphere, SettlesAtTheFormulaWhereverTheLampStands) {
-    const Context context = Context::headless();
-    const double radius = 2.0;
-    const double albedo = GetParam();
-    const Octree octree = at_depth(sphere(radius, 40000, GetParam()), 5);
-    const double truth = sphere_irradiance(10.0, radius, albedo);
-    for (const double off_centre : {0.0, 0.6 * radius}) {
-        LightField field(context, octree.view(), lamp_at({off_centre, 0.0, 0.0}));
-        const Convergence convergence = field.converge();
-        double mean = 0.0, worst = 0.0;
-        const auto indirect = field.read_indirect();
-        for (const gpu::vec4& e : indirect) {
-            mean += e.x / truth - 1.0;
-            worst = std::max(worst, std::abs(e.x / truth - 1.0));
-        }
-        mean /= static_cast<double>(indirect.size());
-        std::cout << "albedo " << albedo << " lamp at " << off_centre << " m: mean error "
-                  << 100.0 * mean << " %, worst " << 100.0 * worst << " %, " << convergence.bounces
-                  << " bounces\n";
-        EXPECT_TRUE(convergence.settled);
-        EXPECT_LE(convergence.bounces, 16);
-        EXPECT_LT(std::abs(mean), 1e-3);
-        if (off_centre == 0.0) {
-            EXPECT_LT(worst, 3e-3);
-        }
-    }
-    EXPECT_THAT(context.errors(), IsEmpty());
-}
-
-INSTANTIATE_TEST_SUITE_P(Albedos, LightOnSphere, ::testing::Values(0.2f, 0.5f, 0.8f));
 
 TEST(Light, BehindTheBendItIsBlackWithoutBouncesAndLitWithThem) {
     const Context context = Context::headless();
@@ -265,56 +205,6 @@ TEST(Light, BakedLinksGiveTheSameLightAsTracedOnes) {
     const auto b = baked.read_indirect();
     for (std::size_t i = 0; i < a.size(); ++i)
         ASSERT_EQ(a[i].x, b[i].x);
-}
-
-TEST(Cones, EverySetOfConesCoversTheHemisphereOnceByCosine) {
-    for (const bool faithful : {false, true}) {
-        for (const int count : {4, 5, 6, 9, 10, 16}) {
-            double weights = 0.0, upward = 0.0;
-            for (const gpu::vec4& cone : cone_set(count, faithful)) {
-                weights += cone.w;
-                upward += cone.w * std::sqrt(1.0 - cone.x);
-            }
-            EXPECT_NEAR(weights, 1.0, 1e-6);
-            // Cosine-weighted, the mean cosine of the hemisphere is 2/3; few cones come near it.
-            EXPECT_NEAR(upward, 2.0 / 3.0, 0.07) << count << (faithful ? " faithful" : "");
-        }
-    }
-    EXPECT_THROW(cone_set(7, false), Error);
-}
-
-TEST(Cones, ASphereComesNearTheFormulaAndThePapersOwnStaysDarker) {
-    const Context context = Context::headless();
-    const Octree octree = at_depth(sphere(2.0, 40000, 0.5f), 5);
-    const double truth = sphere_irradiance(10.0, 2.0, 0.5);
-    const auto mean_error = [&](const LightSettings& settings) {
-        LightField field(context, octree.view(), lamp_at({0.0, 0.0, 0.0}), settings);
-        field.iterate(12);
-        double sum = 0.0;
-        const auto indirect = field.read_indirect();
-        for (const gpu::vec4& e : indirect)
-            sum += e.x / truth - 1.0;
-        return sum / static_cast<double>(indirect.size());
-    };
-    const double corrected = mean_error({.gather = Gather::kCones, .cones = 6});
-    const double faithful = mean_error({.faithful = true});
-    std::cout << "6 cones " << 100.0 * corrected << " %, faithful " << 100.0 * faithful << " %\n";
-    EXPECT_LT(std::abs(corrected), 0.05);
-    EXPECT_GT(faithful, -0.5);
-    EXPECT_LT(faithful, 0.1);
-    EXPECT_THAT(context.errors(), IsEmpty());
-}
-
-TEST(Anderson, WeightsSolveTheLeastSquaresAndRefuseNonsense) {
-    // d0 = (1, 0), d1 = (1, 1), r = (3, 2): r = 1 d0 + 2 d1.
-    const auto weights = anderson_weights({1.0, 1.0, 0.0, 2.0, 0.0, 0.0, 3.0, 5.0, 0.0}, 2);
-    EXPECT_NEAR(weights[0], 1.0, 1e-5);
-    EXPECT_NEAR(weights[1], 2.0, 1e-5);
-    EXPECT_EQ(weights[2], 0.0f);
-    EXPECT_THAT(anderson_weights({}, 3), ElementsAre(0.0f, 0.0f, 0.0f));
-    const double nan = std::nan("");
-    EXPECT_THAT(anderson_weights({nan, 0, 0, nan, 0, 0, 0, 0, 0}, 2),
-                ElementsAre(0.0f, 0.0f, 0.0f));
 }
 
 }  // namespace
