@@ -1,114 +1,127 @@
 #include "preprocess/surface/distances.h"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
-
-#ifdef __SSE2__
-#include <emmintrin.h>
-#endif
+#include <array>
+#include <limits>
+#include <numeric>
 
 // Eight distances at a time where the processor can. No fused operations (-ffp-contract=off), so
-// every clone gives the same bits. The sanitizers start too late for the choice at load time.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__)
-#define GLOWWORM_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define GLOWWORM_WIDE
+// that every processor gives the same bits.
+#if defined(__x86_64__) && defined(__GNUC__)
+#define GLOWWORM_AVX2 __attribute__((target("avx2")))
+#include <immintrin.h>
 #endif
 
 namespace glowworm {
 namespace {
 
-/// Steps after which a bound that still has too many points within it is good enough: the nearest
-/// of them are then picked one by one.
-constexpr int kSteps = 10;
-
-GLOWWORM_WIDE
-std::size_t count_within(const float* distance2, std::size_t size, float bound) {
-    std::uint32_t count = 0;
-    for (std::size_t i = 0; i < size; ++i)
-        count += distance2[i] <= bound ? 1 : 0;
-    return count;
-}
-
-GLOWWORM_WIDE
-float largest_within(const float* distance2, std::size_t size, float bound) {
-    float largest = 0.0f;
+std::size_t find_within_plain(const float* x, const float* y, const float* z, std::size_t size,
+                              Vec3f from, float bound2, std::uint32_t* places, float* distance2) {
+    std::size_t found = 0;
     for (std::size_t i = 0; i < size; ++i) {
-        const float d = distance2[i] <= bound ? distance2[i] : 0.0f;
-        largest = d > largest ? d : largest;
+        const float dx = x[i] - from.x, dy = y[i] - from.y, dz = z[i] - from.z;
+        const float d2 = dx * dx + dy * dy + dz * dz;
+        places[found] = static_cast<std::uint32_t>(i);
+        distance2[found] = d2;
+        found += d2 <= bound2 ? 1 : 0;
     }
-    return largest;
+    return found;
 }
+
+void rank_plain(const float* distance2, std::size_t size, std::uint32_t* ranks) {
+    const std::size_t padded = pad(size);
+    std::fill_n(ranks, padded, 0u);
+    for (std::size_t j = 0; j < size; ++j) {
+        const float d2 = distance2[j];
+        for (std::size_t i = 0; i < padded; ++i)
+            ranks[i] += d2 < distance2[i] ? 1u : 0u;
+    }
+}
+
+#ifdef GLOWWORM_AVX2
+const bool kHasAvx2 = __builtin_cpu_supports("avx2");
+
+/// For every mask of eight lanes which of them are set, ascending, a byte each.
+constexpr std::array<std::uint64_t, 256> kSetLanes = [] {
+    std::array<std::uint64_t, 256> lanes{};
+    for (std::size_t mask = 0; mask < 256; ++mask) {
+        int shift = 0;
+        for (std::uint64_t lane = 0; lane < 8; ++lane) {
+            if (!(mask >> lane & 1)) continue;
+            lanes[mask] |= lane << shift;
+            shift += 8;
+        }
+    }
+    return lanes;
+}();
+
+GLOWWORM_AVX2
+std::size_t find_within_avx2(const float* x, const float* y, const float* z, std::size_t size,
+                             Vec3f from, float bound2, std::uint32_t* places, float* distance2) {
+    const __m256 fx = _mm256_set1_ps(from.x), fy = _mm256_set1_ps(from.y),
+                 fz = _mm256_set1_ps(from.z), limit = _mm256_set1_ps(bound2);
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < size; i += kLanes) {
+        const __m256 dx = _mm256_sub_ps(_mm256_loadu_ps(x + i), fx);
+        const __m256 dy = _mm256_sub_ps(_mm256_loadu_ps(y + i), fy);
+        const __m256 dz = _mm256_sub_ps(_mm256_loadu_ps(z + i), fz);
+        const __m256 d2 = _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(dx, dx), _mm256_mul_ps(dy, dy)),
+                                        _mm256_mul_ps(dz, dz));
+        const auto mask =
+            static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_cmp_ps(d2, limit, _CMP_LE_OQ)));
+        if (mask == 0) continue;
+        const __m256i lanes =
+            _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<std::int64_t>(kSetLanes[mask])));
+        const __m256i first = _mm256_set1_epi32(static_cast<int>(i));
+        _mm256_storeu_ps(distance2 + found, _mm256_permutevar8x32_ps(d2, lanes));
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(places + found),
+                            _mm256_add_epi32(first, lanes));
+        found += static_cast<std::size_t>(__builtin_popcount(mask));
+    }
+    return found;
+}
+
+GLOWWORM_AVX2
+void rank_avx2(const float* distance2, std::size_t size, std::uint32_t* ranks) {
+    for (std::size_t i = 0; i < size; i += kLanes) {
+        const __m256 own = _mm256_loadu_ps(distance2 + i);
+        __m256i rank = _mm256_setzero_si256();
+        for (std::size_t j = 0; j < size; ++j) {
+            const __m256 is_nearer =
+                _mm256_cmp_ps(_mm256_broadcast_ss(distance2 + j), own, _CMP_LT_OQ);
+            rank = _mm256_sub_epi32(rank, _mm256_castps_si256(is_nearer));
+        }
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(ranks + i), rank);
+    }
+}
+#else
+constexpr bool kHasAvx2 = false;
+constexpr auto find_within_avx2 = find_within_plain;
+constexpr auto rank_avx2 = rank_plain;
+#endif
 
 }  // namespace
 
-GLOWWORM_WIDE
-void measure_distances(const float* __restrict x, const float* __restrict y,
-                       const float* __restrict z, std::size_t size, Vec3f from,
-                       float* __restrict distance2) {
-    for (std::size_t i = 0; i < size; ++i) {
-        const float dx = x[i] - from.x, dy = y[i] - from.y, dz = z[i] - from.z;
-        distance2[i] = dx * dx + dy * dy + dz * dz;
-    }
+std::size_t find_within(const float* x, const float* y, const float* z, std::size_t size,
+                        Vec3f from, float bound2, std::uint32_t* places, float* distance2) {
+    const auto find = kHasAvx2 ? find_within_avx2 : find_within_plain;
+    return find(x, y, z, size, from, bound2, places, distance2);
 }
 
-std::size_t places_within(const float* distance2, std::size_t size, float bound,
-                          std::uint32_t* places) {
-    std::size_t count = 0;
-#ifdef __SSE2__
-    const __m128 limit = _mm_set1_ps(bound);
-    const auto lanes = [&](std::size_t i) {
-        const __m128 within = _mm_cmple_ps(_mm_loadu_ps(distance2 + i), limit);
-        return static_cast<std::uint32_t>(_mm_movemask_ps(within));
-    };
-    for (std::size_t i = 0; i < size; i += kLanes) {
-        std::uint32_t mask = lanes(i) | lanes(i + 4) << 4 | lanes(i + 8) << 8 | lanes(i + 12) << 12;
-        for (; mask != 0; mask &= mask - 1) {
-            places[count++] =
-                static_cast<std::uint32_t>(i) + static_cast<std::uint32_t>(std::countr_zero(mask));
-        }
-    }
-#else
+void order_distances(float* distance2, std::size_t size, std::uint32_t* ranks,
+                     std::uint32_t* order) {
+    std::fill(distance2 + size, distance2 + pad(size), std::numeric_limits<float>::infinity());
+    (kHasAvx2 ? rank_avx2 : rank_plain)(distance2, size, ranks);
+    // Where some are equal they share a rank and leave the next one free.
+    std::size_t sum = 0;
     for (std::size_t i = 0; i < size; ++i) {
-        if (distance2[i] <= bound) places[count++] = static_cast<std::uint32_t>(i);
+        sum += ranks[i];
+        order[ranks[i]] = static_cast<std::uint32_t>(i);
     }
-#endif
-    return count;
-}
-
-float bound_of(const float* distance2, std::size_t size, std::size_t wanted, float enough,
-               float guess) {
-    float low = 0.0f, high = enough;
-    std::size_t below = 0, above = 0;  // above: unknown until a bound had too many
-    float bound = guess;
-    if (!(bound > 0.0f && bound < enough)) {
-        bound = largest_within(distance2, size, enough);
-    }
-    for (int step = 0; step < kSteps; ++step) {
-        const std::size_t within = count_within(distance2, size, bound);
-        if (within == wanted || (within < wanted && bound >= enough)) return bound;
-        if (within < wanted) {
-            low = bound;
-            below = within;
-        } else {
-            high = bound;
-            above = within;
-        }
-        // On a surface the points within a distance are as many as its square.
-        const auto count = static_cast<float>(wanted);
-        if (above == 0) {
-            bound =
-                std::min(low * std::min(1.1f * count / static_cast<float>(within), 4.0f), enough);
-        } else if (step % 4 < 3) {
-            bound = low + (high - low) * (count - static_cast<float>(below)) /
-                              static_cast<float>(above - below);
-        } else {
-            bound = std::sqrt(std::max(low, 1e-6f * high) * high);
-        }
-        if (!(bound > low && bound < high) && bound != enough) break;
-    }
-    return high;
+    if (sum == size * (size - 1) / 2 || size == 0) return;
+    std::iota(order, order + size, 0u);
+    std::stable_sort(order, order + size,
+                     [&](std::uint32_t a, std::uint32_t b) { return distance2[a] < distance2[b]; });
 }
 
 }  // namespace glowworm

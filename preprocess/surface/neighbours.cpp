@@ -1,12 +1,29 @@
 #include "preprocess/surface/neighbours.h"
 
 #include <algorithm>
+#include <numbers>
 #include <numeric>
 
 #include "preprocess/surface/distances.h"
 
 namespace glowworm {
 namespace {
+
+/// How much farther than expected (squared) a leaf's neighbours are looked for, and how many more
+/// than wanted a query picks to choose from: few miss, and little is measured in vain.
+constexpr float kBoxMargin = 2.5f;
+constexpr float kLastMargin = 1.4f;
+constexpr float kPickMargin = 1.3f;
+constexpr float kPickMore = 1.5f;
+
+/// Points that tell how dense they are.
+constexpr std::uint32_t kDensityPoints = 12;
+
+/// A strip of points is taken to be at least this wide, of its length.
+constexpr float kNarrowest = 0.125f;
+
+/// More than this many times the wanted are thinned before they are put in order.
+constexpr std::size_t kTooMany = 4;
 
 float gap2(float low_a, float high_a, float low_b, float high_b) {
     const float gap = std::max(std::max(low_a - high_b, low_b - high_a), 0.0f);
@@ -23,18 +40,75 @@ float box_distance2(const Vec3f& low_a, const Vec3f& high_a, const Vec3f& low_b,
 
 }  // namespace
 
+void NearestSearch::begin(int count, float radius) {
+    count_ = static_cast<std::size_t>(count);
+    radius2_ = radius * radius;
+}
+
+/// The stretch of the Morton order that holds the queries and points enough to tell the density.
+NearestSearch::Window NearestSearch::window_of(std::span<const std::uint32_t> queries) const {
+    const auto [first, last] = std::minmax_element(queries.begin(), queries.end());
+    const std::uint32_t size = *last + 1 - *first;
+    const std::uint32_t more = size < kDensityPoints ? (kDensityPoints - size + 1) / 2 : 0;
+    const auto total = static_cast<std::uint32_t>(tree_->size());
+    return {*first - std::min(*first, more), *last + 1 + std::min(total - *last - 1, more)};
+}
+
+/// How far the neighbours will be where the points lie as densely on a surface as those of `run`.
+float NearestSearch::expected_reach2(Window run) {
+    Vec3f low = tree_->position(run.begin), high = low;
+    for (std::uint32_t i = run.begin + 1; i < run.end; ++i) {
+        low = component_min(low, tree_->position(i));
+        high = component_max(high, tree_->position(i));
+    }
+    const Vec3f size = high - low;
+    const float longest = std::max({size.x, size.y, size.z});
+    const float shortest = std::min({size.x, size.y, size.z});
+    const float middle =
+        std::max(size.x + size.y + size.z - longest - shortest, kNarrowest * longest);
+    const float points_per_area = static_cast<float>(run.end - run.begin) / (longest * middle);
+    const float by_box = kBoxMargin / (points_per_area * std::numbers::pi_v<float>);
+    const float by_last = kLastMargin * largest_area_;
+    const float area = by_last > 0.0f ? std::min(by_box, by_last) : by_box;
+    const float reach2 = area * static_cast<float>(count_ + 1);
+    largest_area_ = 0.0f;
+    return reach2 < radius2_ ? reach2 : radius2_;
+}
+
+/// The points around the queries in Morton order bound how far their neighbours can be.
+float NearestSearch::sure_reach2(std::span<const std::uint32_t> queries, Window run) {
+    const auto reach = static_cast<std::uint32_t>(count_);
+    const auto total = static_cast<std::uint32_t>(tree_->size());
+    run.begin -= std::min(run.begin, reach);
+    run.end += std::min(total - run.end, reach);
+    if (run.end - run.begin <= count_) return radius2_;
+    float reach2 = 0.0f;
+    for (const std::uint32_t query : queries) {
+        const Vec3f from = tree_->position(query);
+        distance2_.clear();
+        for (std::uint32_t i = run.begin; i < run.end; ++i) {
+            const Vec3f offset = tree_->position(i) - from;
+            distance2_.push_back(dot(offset, offset));
+        }
+        const auto last = distance2_.begin() + static_cast<std::ptrdiff_t>(count_);
+        std::nth_element(distance2_.begin(), last, distance2_.end());
+        reach2 = std::max(reach2, *last);
+    }
+    return std::min(reach2, radius2_);
+}
+
 /// The leaves within `reach2` of a box, those that follow each other joined.
-void NearestSearch::collect_ranges(const Vec3f& low, const Vec3f& high, float reach2) {
-    ranges_.clear();
+void NearestSearch::collect_windows(const Vec3f& low, const Vec3f& high, float reach2) {
+    windows_.clear();
     stack_.assign(1, 0);
     while (!stack_.empty()) {
         const PointTree::Node& node = tree_->nodes[stack_.back()];
         stack_.pop_back();
         if (node.children == 0) {
-            if (!ranges_.empty() && ranges_.back().end == node.first) {
-                ranges_.back().end = node.first + node.count;
+            if (!windows_.empty() && windows_.back().end == node.first) {
+                windows_.back().end = node.first + node.count;
             } else {
-                ranges_.push_back({node.first, node.first + node.count});
+                windows_.push_back({node.first, node.first + node.count});
             }
             continue;
         }
@@ -45,144 +119,106 @@ void NearestSearch::collect_ranges(const Vec3f& low, const Vec3f& high, float re
     }
 }
 
-void NearestSearch::gather(std::span<const std::uint32_t> queries, int count, float radius) {
-    radius2_ = radius * radius;
-
-    // The points around the queries in Morton order bound how far their neighbours can be.
-    const auto [first, last] = std::minmax_element(queries.begin(), queries.end());
-    const auto reach = static_cast<std::uint32_t>(count);
-    const auto total = static_cast<std::uint32_t>(tree_->size());
-    const std::uint32_t begin = *first - std::min(*first, reach);
-    const std::uint32_t end = total - *last > reach ? *last + 1 + reach : total;
-    const std::size_t window = end - begin;
-    const auto wanted = static_cast<std::size_t>(count) + 1;  // the point itself is among them
-    distance2_.resize(std::max(distance2_.size(), window));
+void NearestSearch::gather(std::span<const std::uint32_t> queries, float reach2) {
+    reach2_ = reach2;
     Vec3f low = tree_->position(queries[0]), high = low;
-    float reach2 = 0.0f;
     for (const std::uint32_t query : queries) {
-        const Vec3f position = tree_->position(query);
-        low = component_min(low, position);
-        high = component_max(high, position);
-        measure_distances(tree_->x.data() + begin, tree_->y.data() + begin, tree_->z.data() + begin,
-                          window, position, distance2_.data());
-        const float bound = bound_of(distance2_.data(), window, wanted, radius2_, reach2);
-        reach2 = std::max(reach2, bound);
+        low = component_min(low, tree_->position(query));
+        high = component_max(high, tree_->position(query));
     }
-
-    collect_ranges(low, high, reach2);
-    gathered_ = 0;
-    for (const Range& range : ranges_)
-        gathered_ += range.end - range.begin;
-    padded_ = pad(gathered_);
-    if (index_.size() < padded_) {
-        x_.resize(padded_);
-        y_.resize(padded_);
-        z_.resize(padded_);
-        index_.resize(padded_);
-        chosen_.resize(padded_);
-        result_.resize(padded_);
+    collect_windows(low, high, reach2);
+    std::size_t points = 0;
+    for (const Window& window : windows_)
+        points += window.end - window.begin;
+    size_ = pad(points);
+    if (gathered_.size() < size_) {
+        for (std::vector<float>* column : {&x_, &y_, &z_})
+            column->resize(size_);
+        gathered_.resize(size_);
+        places_.resize(size_ + kLanes);
     }
-    distance2_.resize(std::max(distance2_.size(), padded_));
+    distance2_.resize(std::max(distance2_.size(), size_ + kLanes));
     std::size_t place = 0;
-    for (const Range& range : ranges_) {
-        const std::size_t size = range.end - range.begin;
-        std::copy_n(tree_->x.data() + range.begin, size, x_.data() + place);
-        std::copy_n(tree_->y.data() + range.begin, size, y_.data() + place);
-        std::copy_n(tree_->z.data() + range.begin, size, z_.data() + place);
-        std::iota(index_.data() + place, index_.data() + place + size, range.begin);
+    for (const Window& window : windows_) {
+        const std::size_t size = window.end - window.begin;
+        std::copy_n(tree_->x.data() + window.begin, size, x_.data() + place);
+        std::copy_n(tree_->y.data() + window.begin, size, y_.data() + place);
+        std::copy_n(tree_->z.data() + window.begin, size, z_.data() + place);
+        std::iota(gathered_.data() + place, gathered_.data() + place + size, window.begin);
         place += size;
     }
-    std::fill(x_.data() + gathered_, x_.data() + padded_, std::numeric_limits<float>::infinity());
-    std::fill(y_.data() + gathered_, y_.data() + padded_, 0.0f);
-    std::fill(z_.data() + gathered_, z_.data() + padded_, 0.0f);
+    for (std::vector<float>* column : {&x_, &y_, &z_})
+        std::fill(column->data() + points, column->data() + size_,
+                  std::numeric_limits<float>::infinity());
 }
 
-void NearestSearch::measure(std::uint32_t query) {
-    query_ = query;
-    measure_distances(x_.data(), y_.data(), z_.data(), padded_, tree_->position(query),
-                      distance2_.data());
-}
-
-/// Puts the places (in the gathered arrays) of the `count` nearest, ascending, into chosen_.
-void NearestSearch::select(int count) {
-    const auto keep = static_cast<std::size_t>(count);
-    const auto wanted = static_cast<float>(keep + 1);
-    const float bound =
-        bound_of(distance2_.data(), padded_, keep + 1, radius2_, area_per_point_ * wanted);
-    area_per_point_ = bound / wanted;
-    std::size_t found = places_within(distance2_.data(), padded_, bound, chosen_.data());
-    const auto self = std::find_if(chosen_.data(), chosen_.data() + found,
-                                   [&](std::uint32_t place) { return index_[place] == query_; });
-    if (self != chosen_.data() + found) {
-        std::copy(self + 1, chosen_.data() + found, self);
-        --found;
+/// Finds the neighbours of a query among the gathered; false where they may be farther away.
+bool NearestSearch::find(std::uint32_t query) {
+    const Vec3f from = tree_->position(query);
+    const std::size_t wanted = count_ + 1;  // the point itself is among them
+    const auto pick = [&](float bound2) {
+        return find_within(x_.data(), y_.data(), z_.data(), size_, from, bound2, places_.data(),
+                           distance2_.data());
+    };
+    float bound2 = kPickMargin * area_per_point_ * static_cast<float>(wanted);
+    if (!(bound2 > 0.0f)) bound2 = reach2_;
+    std::size_t near = pick(std::min(bound2, reach2_));
+    while (near < wanted && bound2 < reach2_) {
+        bound2 *= kPickMore;
+        near = pick(std::min(bound2, reach2_));
     }
-    chosen_count_ = found;
-    drop_surplus(keep);
-}
+    const bool is_sure = near >= wanted || reach2_ >= radius2_;
+    if (!is_sure) return false;
 
-/// Leaves the `count` nearest of the chosen where equal distances let more in. The smaller index,
-/// which is the smaller place, goes first.
-void NearestSearch::drop_surplus(std::size_t count) {
-    if (chosen_count_ <= count) return;
-    const auto middle = chosen_.begin() + static_cast<std::ptrdiff_t>(count);
-    std::nth_element(chosen_.begin(), middle,
-                     chosen_.begin() + static_cast<std::ptrdiff_t>(chosen_count_),
-                     [&](std::uint32_t a, std::uint32_t b) { return is_nearer(a, b); });
-    std::sort(chosen_.begin(), middle);
-    chosen_count_ = count;
-}
-
-bool NearestSearch::is_nearer(std::uint32_t a, std::uint32_t b) const {
-    return distance2_[a] < distance2_[b] || (distance2_[a] == distance2_[b] && a < b);
-}
-
-std::span<const std::uint32_t> NearestSearch::listed() {
-    for (std::size_t i = 0; i < chosen_count_; ++i)
-        result_[i] = index_[chosen_[i]];
-    return {result_.data(), chosen_count_};
-}
-
-std::span<const std::uint32_t> NearestSearch::nearest(int count) {
-    select(count);
-    return listed();
-}
-
-std::span<const std::uint32_t> NearestSearch::nearest_of_those(int count) {
-    const auto keep = static_cast<std::size_t>(count);
-    if (chosen_count_ <= keep) return listed();
-    const std::size_t padded = pad(chosen_count_);
-    near_.assign(padded, std::numeric_limits<float>::infinity());
-    float largest = 0.0f;
-    for (std::size_t i = 0; i < chosen_count_; ++i) {
-        near_[i] = distance2_[chosen_[i]];
-        largest = std::max(largest, near_[i]);
+    if (near > kTooMany * wanted) near = thin(near, wanted);
+    const std::size_t room = pad(near);
+    if (ranks_.size() < room) {
+        ranks_.resize(room);
+        order_.resize(std::max(order_.size(), room));
+        index_.resize(room);
+        for (std::vector<float>* column : {&dx_, &dy_, &dz_})
+            column->resize(room + 1);
     }
-    const float guess = largest * static_cast<float>(count) / static_cast<float>(chosen_count_);
-    const float bound = bound_of(near_.data(), padded, keep, largest, guess);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < chosen_count_; ++i) {
-        chosen_[kept] = chosen_[i];
-        kept += near_[i] <= bound;
+    order_distances(distance2_.data(), near, ranks_.data(), order_.data());
+
+    found_ = 0;
+    dx_[0] = dy_[0] = dz_[0] = 0.0f;
+    for (std::size_t r = 0; r < near && found_ < count_; ++r) {
+        const std::uint32_t place = places_[order_[r]];
+        if (gathered_[place] == query) continue;
+        index_[found_++] = gathered_[place];
+        dx_[found_] = x_[place] - from.x;
+        dy_[found_] = y_[place] - from.y;
+        dz_[found_] = z_[place] - from.z;
     }
-    chosen_count_ = kept;
-    drop_surplus(keep);
-    return listed();
+    area_per_point_ = distance2_[order_[std::min(near, wanted) - 1]] / static_cast<float>(wanted);
+    largest_area_ = std::max(largest_area_, area_per_point_);
+    return true;
 }
 
-std::span<const std::uint32_t> NearestSearch::nearest_in_order(int count) {
-    select(count);
-    std::sort(chosen_.begin(), chosen_.begin() + static_cast<std::ptrdiff_t>(chosen_count_),
-              [&](std::uint32_t a, std::uint32_t b) { return is_nearer(a, b); });
-    return listed();
+/// Leaves the `wanted` nearest of the places found, ascending; returns how many that are.
+std::size_t NearestSearch::thin(std::size_t near, std::size_t wanted) {
+    order_.resize(std::max(order_.size(), near));
+    const auto begin = order_.begin(), middle = begin + static_cast<std::ptrdiff_t>(wanted);
+    std::iota(begin, begin + static_cast<std::ptrdiff_t>(near), 0u);
+    std::nth_element(begin, middle, begin + static_cast<std::ptrdiff_t>(near),
+                     [&](std::uint32_t a, std::uint32_t b) {
+                         return distance2_[a] < distance2_[b] ||
+                                (distance2_[a] == distance2_[b] && a < b);
+                     });
+    std::sort(begin, middle);
+    for (std::size_t i = 0; i < wanted; ++i) {
+        places_[i] = places_[order_[i]];
+        distance2_[i] = distance2_[order_[i]];
+    }
+    return wanted;
 }
 
 std::vector<std::uint32_t> nearest_neighbours(const PointTree& tree, int count, float radius) {
     const auto stride = static_cast<std::size_t>(count);
     std::vector<std::uint32_t> rows(tree.size() * stride, kNoNeighbour);
-    for_each_neighbourhood(tree, count, radius, [&](std::uint32_t i, NearestSearch& search) {
-        std::ranges::copy(search.nearest_in_order(count),
-                          rows.begin() + static_cast<std::ptrdiff_t>(i * stride));
+    for_each_neighbourhood(tree, count, radius, [&](std::uint32_t i, const Neighbours& near) {
+        std::ranges::copy(near.index, rows.begin() + static_cast<std::ptrdiff_t>(i * stride));
     });
     return rows;
 }

@@ -16,64 +16,94 @@ namespace glowworm {
 
 inline constexpr std::uint32_t kNoNeighbour = std::numeric_limits<std::uint32_t>::max();
 
+/// The points nearest to a point, nearest first, of equally near ones the smaller index first.
+struct Neighbours {
+    std::span<const std::uint32_t> index;  ///< [n] in the tree
+
+    /// m: from the point to itself (zero), then to its neighbours, [1 + n].
+    const float *x = nullptr, *y = nullptr, *z = nullptr;
+
+    std::size_t size() const { return index.size(); }
+
+    /// The `count` nearest of them, or all.
+    Neighbours first(std::size_t count) const {
+        return {index.first(std::min(count, index.size())), x, y, z};
+    }
+};
+
 /// Exact nearest neighbours of points that lie close together, as those of a leaf do: the points
-/// that can be neighbours of any of them are gathered once, side by side, and then every one of
-/// them measures all. A thread keeps one and reuses its memory.
+/// around them are gathered once, side by side, and then every one of them measures all. A thread
+/// keeps one and reuses its memory.
 class NearestSearch {
   public:
     explicit NearestSearch(const PointTree& tree) : tree_(&tree) {}
 
-    /// Gathers the points among which are, for each of `queries` (indices into the tree, at least
-    /// one), the `count` nearest others within `radius` (m, the bound included).
-    void gather(std::span<const std::uint32_t> queries, int count, float radius);
-
-    /// Measures one of the gathered queries for the calls of `nearest` that follow.
-    void measure(std::uint32_t query);
-
-    /// The `count` nearest others (at most those gathered for) of the measured point, ties by
-    /// smaller index, in the order of the tree, or all within the radius where they are fewer.
-    /// Valid until the next call.
-    std::span<const std::uint32_t> nearest(int count);
-
-    /// How many were gathered.
-    std::size_t gathered() const { return gathered_; }
-
-    /// The `count` nearest of those that were found last, in the order of the tree.
-    std::span<const std::uint32_t> nearest_of_those(int count);
-
-    /// As `nearest`, nearest first.
-    std::span<const std::uint32_t> nearest_in_order(int count);
+    /// Calls `visit(query, neighbours)` for each of `queries` (indices into the tree), in any
+    /// order, with its `count` nearest others within `radius` (m, the bound included), or all that
+    /// are. They are valid until `visit` returns.
+    template <typename Visit>
+    void visit_nearest(std::span<const std::uint32_t> queries, int count, float radius,
+                       const Visit& visit) {
+        if (queries.empty()) return;
+        begin(count, radius);
+        const Window run = window_of(queries);
+        gather(queries, expected_reach2(run));
+        missed_.clear();
+        for (const std::uint32_t query : queries) {
+            if (find(query)) {
+                visit(query, found());
+            } else {
+                missed_.push_back(query);
+            }
+        }
+        if (missed_.empty()) return;
+        gather(missed_, sure_reach2(missed_, run));
+        for (const std::uint32_t query : missed_) {
+            find(query);
+            visit(query, found());
+        }
+    }
 
   private:
-    struct Range {
+    struct Window {
         std::uint32_t begin, end;
     };
 
-    void collect_ranges(const Vec3f& low, const Vec3f& high, float reach2);
-    void select(int count);
-    void drop_surplus(std::size_t count);
-    std::span<const std::uint32_t> listed();
-    bool is_nearer(std::uint32_t a, std::uint32_t b) const;
+    void begin(int count, float radius);
+    Window window_of(std::span<const std::uint32_t> queries) const;
+    float expected_reach2(Window run);
+    float sure_reach2(std::span<const std::uint32_t> queries, Window run);
+    void gather(std::span<const std::uint32_t> queries, float reach2);
+    void collect_windows(const Vec3f& low, const Vec3f& high, float reach2);
+    bool find(std::uint32_t query);
+    std::size_t thin(std::size_t near, std::size_t wanted);
+    Neighbours found() const {
+        return {{index_.data(), found_}, dx_.data(), dy_.data(), dz_.data()};
+    }
 
     const PointTree* tree_;
+    std::size_t count_ = 0;
     float radius2_ = 0.0f;
-    std::uint32_t query_ = 0;
-    float area_per_point_ = 0.0f;       // m², of the last search: where to start the next
-    std::vector<float> x_, y_, z_;      // the gathered points, padded with infinity
-    std::vector<std::uint32_t> index_;  // where they are in the tree
-    std::size_t gathered_ = 0;          // without the padding
-    std::size_t padded_ = 0;
-    std::vector<float> distance2_;       // from query_ to the gathered points
-    std::vector<std::uint32_t> chosen_;  // places among the gathered
-    std::size_t chosen_count_ = 0;
-    std::vector<float> near_;            // distances of the chosen
-    std::vector<std::uint32_t> result_;  // indices into the tree
-    std::vector<Range> ranges_;
-    std::vector<std::uint32_t> stack_;
+    float reach2_ = 0.0f;          // m²: all points this near to the queries are gathered
+    float area_per_point_ = 0.0f;  // m²: of the last query, for where to start the next
+    float largest_area_ = 0.0f;    // m²: the same, the largest of the last visit's queries
+
+    std::vector<Window> windows_;  // that are gathered
+    std::vector<std::uint32_t> stack_, missed_;
+    std::vector<float> x_, y_, z_;         // the gathered points, padded with infinity
+    std::vector<std::uint32_t> gathered_;  // where they are in the tree
+    std::size_t size_ = 0;                 // with the padding
+
+    std::vector<std::uint32_t> places_, ranks_, order_;  // near ones among the gathered
+    std::vector<float> distance2_;
+
+    std::size_t found_ = 0;
+    std::vector<std::uint32_t> index_;
+    std::vector<float> dx_, dy_, dz_;
 };
 
-/// Calls `visit(i, search)` once for every point i of the tree, `search` measured for it and
-/// gathered for `count` neighbours within `radius` metres. In parallel: of several points at once.
+/// Calls `visit(i, neighbours)` once for every point i of the tree with its `count` nearest others
+/// within `radius` metres. In parallel: of several points at once.
 template <typename Visit>
 void for_each_neighbourhood(const PointTree& tree, int count, float radius, const Visit& visit) {
     const tbb::blocked_range<std::size_t> leaves(0, tree.leaves.size(), 64);
@@ -84,11 +114,7 @@ void for_each_neighbourhood(const PointTree& tree, int count, float radius, cons
             const PointTree::Node& leaf = tree.nodes[tree.leaves[l]];
             queries.resize(leaf.count);
             std::iota(queries.begin(), queries.end(), leaf.first);
-            search.gather(queries, count, radius);
-            for (const std::uint32_t i : queries) {
-                search.measure(i);
-                visit(i, search);
-            }
+            search.visit_nearest(queries, count, radius, visit);
         }
     });
 }

@@ -48,88 +48,103 @@ class LeafFit {
           settings_(settings),
           table_(table),
           planes_(planes),
-          search_(points.tree) {}
+          search_(points.tree),
+          ahead_(settings.k),
+          views_(points.seen_from.empty() ? points.stations : points.seen_from) {}
 
+    /// Fits to the k nearest, then again to more where those do not determine the normal. Leaves
+    /// resemble the one before: as many as most of its points took are found at once.
     void fit(const PointTree::Node& leaf) {
-        fit_nearest(leaf);
-        grow_noisy();
+        queries_.resize(leaf.count);
+        std::iota(queries_.begin(), queries_.end(), leaf.first);
+        wanting_.clear();
+        odd_.clear();
+        grown_ = 0;
+        search_.visit_nearest(queries_, ahead_ - 1, settings_.radius,
+                              [&](std::uint32_t i, const Neighbours& near) { fit(i, near); });
+        for (int size = 2 * settings_.k; !wanting_.empty() && size <= settings_.max_k; size *= 2)
+            grow_wanting(size);
         widen_odd();
+        if (4 * grown_ < leaf.count) {
+            ahead_ = settings_.k;
+        } else if (4 * grown_ > 3 * leaf.count && 2 * settings_.k <= settings_.max_k) {
+            ahead_ = 2 * settings_.k;
+        }
     }
 
   private:
+    struct Wanting {
+        std::uint32_t point;
+        int size;
+    };
+
     /// Fits to the k nearest and sorts out who needs more.
-    void fit_nearest(const PointTree::Node& leaf) {
-        queries_.resize(leaf.count);
-        std::iota(queries_.begin(), queries_.end(), leaf.first);
-        noisy_.clear();
-        odd_.clear();
-        search_.gather(queries_, settings_.k - 1, settings_.radius);
+    void fit(std::uint32_t i, const Neighbours& near) {
+        const auto others = static_cast<std::size_t>(settings_.k) - 1;
+        const Neighbours nearest = near.first(others);
+        const PlaneFit plane = fit_side(i, nearest);
+        planes_[i] = to_local_plane(plane);
         const auto stride = static_cast<std::size_t>(table_.count);
-        for (const std::uint32_t i : queries_) {
-            search_.measure(i);
-            const auto found = search_.nearest(settings_.k - 1);
-            const PlaneFit plane = fit_side(i, found);
-            planes_[i] = to_local_plane(plane);
-            const bool more_are_there = found.size() + 1 == static_cast<std::size_t>(settings_.k);
-            std::ranges::copy(search_.nearest_of_those(table_.count),
-                              table_.rows.begin() + static_cast<std::ptrdiff_t>(i * stride));
-            if (!more_are_there) continue;
-            if (!is_well_shaped(plane)) {
-                odd_.push_back(i);
-            } else if (is_noisy(planes_[i])) {
-                noisy_.push_back(i);
+        std::ranges::copy(nearest.first(stride).index,
+                          table_.rows.begin() + static_cast<std::ptrdiff_t>(i * stride));
+        if (nearest.size() < others) return;
+        if (!is_well_shaped(plane)) {
+            odd_.push_back(i);
+        } else if (is_noisy(planes_[i]) && 2 * settings_.k <= settings_.max_k) {
+            const int size = size_for(planes_[i]);
+            ++grown_;
+            if (size <= ahead_) {
+                grow(i, size, near);
+            } else {
+                wanting_.push_back({i, size});
             }
         }
     }
 
-    /// Widens the neighbourhoods whose normal the noise turns, as long as they are as thin as noise
-    /// alone makes them. Extent and number grow together, so the error falls as one over the
-    /// number: those that need the most get it at once, and half of it where that is bent. The area
-    /// stays that of the nearest: the last of a neighbourhood that was chosen for being wide lies
-    /// farther than chance has it.
-    void grow_noisy() {
-        for (int size = 2 * settings_.k; size <= settings_.max_k; size *= 2) {
-            const bool is_last = 2 * size > settings_.max_k;
-            wanting_.clear();
-            std::erase_if(noisy_, [&](std::uint32_t i) {
-                const float error = planes_[i].error_per_noise * settings_.range_noise;
-                const float needed =
-                    error / settings_.slope_error * static_cast<float>(planes_[i].points);
-                if (!is_last && needed > static_cast<float>(size)) return false;
-                wanting_.push_back(i);
-                return true;
-            });
-            if (wanting_.empty()) continue;
-            search_.gather(wanting_, size - 1, settings_.radius);
-            for (const std::uint32_t i : wanting_)
-                grow(i, size);
-        }
+    /// How many points make the noise turn the normal by little enough: k times a power of two,
+    /// max_k at most. Extent and number grow together, so the error falls as one over the number.
+    int size_for(const LocalPlane& plane) const {
+        const float error = plane.error_per_noise * settings_.range_noise;
+        const float needed = error / settings_.slope_error * static_cast<float>(plane.points);
+        int size = 2 * settings_.k;
+        while (2 * size <= settings_.max_k && needed > static_cast<float>(size))
+            size *= 2;
+        return size;
     }
 
-    void grow(std::uint32_t i, int size) {
-        search_.measure(i);
-        auto found = search_.nearest(size - 1);
+    void grow_wanting(int size) {
+        queries_.clear();
+        std::erase_if(wanting_, [&](const Wanting& wanting) {
+            if (wanting.size == size) queries_.push_back(wanting.point);
+            return wanting.size == size;
+        });
+        search_.visit_nearest(
+            queries_, size - 1, settings_.radius,
+            [&](std::uint32_t i, const Neighbours& near) { grow(i, size, near); });
+    }
+
+    /// Widens a neighbourhood as long as it is as thin as noise alone makes it: `size`, or half of
+    /// it where that is bent. The area stays that of the nearest: the last of a neighbourhood that
+    /// was chosen for being wide lies farther than chance has it.
+    void grow(std::uint32_t i, int size, const Neighbours& near) {
         for (; size > settings_.k; size /= 2) {
+            const Neighbours found = near.first(static_cast<std::size_t>(size) - 1);
             LocalPlane plane = to_local_plane(fit_side(i, found));
             if (plane.area > 0.0f && plane.thickness <= kNoiseAlone * settings_.range_noise) {
                 plane.area = planes_[i].area;
                 planes_[i] = plane;
                 return;
             }
-            found = search_.nearest_of_those(size / 2 - 1);
         }
     }
 
     /// A stretch of one scan line needs its neighbour lines before it says anything.
     void widen_odd() {
-        if (odd_.empty()) return;
-        const int most = settings_.max_k - 1;
-        search_.gather(odd_, most, settings_.radius);
-        for (const std::uint32_t i : odd_) {
-            search_.measure(i);
-            const LocalPlane plane = to_local_plane(fit_side(i, search_.nearest(most)));
-            if (plane.area > 0.0f) planes_[i] = plane;
-        }
+        search_.visit_nearest(odd_, settings_.max_k - 1, settings_.radius,
+                              [&](std::uint32_t i, const Neighbours& near) {
+                                  const LocalPlane plane = to_local_plane(fit_side(i, near));
+                                  if (plane.area > 0.0f) planes_[i] = plane;
+                              });
     }
 
     bool is_noisy(const LocalPlane& plane) const {
@@ -143,46 +158,43 @@ class LeafFit {
                fit.width2 > 4.0 * noise * noise;
     }
 
-    /// The plane through point i and those of `neighbours` that are on its side; its centre is
+    /// The plane through point i and those of its neighbours that are on its side; its centre is
     /// relative to the point.
-    PlaneFit fit_side(std::size_t i, std::span<const std::uint32_t> neighbours) {
-        const Vec3f origin = points_.tree.position(i);
-        const std::uint32_t station = points_.view(i);
-        Moments all;
-        all.add({});
-        offsets_.clear();
-        for (const std::uint32_t j : neighbours) {
-            offsets_.push_back(vec3_cast<double>(points_.tree.position(j) - origin));
-            all.add(offsets_.back());
-        }
-        const auto others = static_cast<std::size_t>(std::ranges::count_if(
-            neighbours, [&](std::uint32_t j) { return points_.view(j) != station; }));
-        if (others == 0 || !points_.is_viewed(i)) return fit_plane(all);
+    PlaneFit fit_side(std::uint32_t i, const Neighbours& near) {
+        const std::size_t size = near.size() + 1;
+        const PlaneFit all = fit_plane(moments_of(near.x, near.y, near.z, size));
+        if (views_.empty() || !points_.is_viewed(i)) return all;
+        const std::uint32_t view = views_[i];
+        std::size_t others = 0;
+        for (const std::uint32_t j : near.index)
+            others += views_[j] != view;
+        if (others == 0) return all;
 
         // What the own station saw is on one side; the others' points join if seen from there too.
-        const bool enough = neighbours.size() - others >= kOwnStationEnough;
-        PlaneFit side = fit_plane(all);
-        if (enough) {
-            Moments own;
-            own.add({});
-            for (std::size_t m = 0; m < neighbours.size(); ++m) {
-                if (points_.view(neighbours[m]) == station) own.add(offsets_[m]);
-            }
-            const PlaneFit alone = fit_plane(own);
+        PlaneFit side = all;
+        if (near.size() - others >= kOwnStationEnough) {
+            const PlaneFit alone =
+                fit_some(near, [&](std::uint32_t j) { return views_[j] == view; });
             if (alone.is_planar()) side = alone;
         }
-        const Vec3d view = vec3_cast<double>(points_.toward_viewpoint(i));
-        const Vec3d normal = dot(side.normal, view) < 0.0 ? -side.normal : side.normal;
-        Moments front;
-        front.add({});
-        for (std::size_t m = 0; m < neighbours.size(); ++m) {
-            if (is_in_front(i, neighbours[m], normal)) front.add(offsets_[m]);
-        }
-        return fit_plane(front);
+        const Vec3d toward = vec3_cast<double>(points_.toward_viewpoint(i));
+        const Vec3d normal = dot(side.normal, toward) < 0.0 ? -side.normal : side.normal;
+        return fit_some(near, [&](std::uint32_t j) { return is_in_front(i, j, normal); });
     }
 
-    bool is_in_front(std::size_t i, std::size_t j, const Vec3d& normal) const {
-        if (points_.view(j) == points_.view(i) || !points_.is_viewed(j)) return true;
+    /// The plane through the point itself and those of its neighbours that `take` takes.
+    template <typename Take>
+    PlaneFit fit_some(const Neighbours& near, const Take& take) {
+        Moments some;
+        some.add({});
+        for (std::size_t n = 0; n < near.size(); ++n) {
+            if (take(near.index[n])) some.add({near.x[n + 1], near.y[n + 1], near.z[n + 1]});
+        }
+        return fit_plane(some);
+    }
+
+    bool is_in_front(std::uint32_t i, std::uint32_t j, const Vec3d& normal) const {
+        if (views_[j] == views_[i] || !points_.is_viewed(j)) return true;
         const Vec3d view = vec3_cast<double>(points_.toward_viewpoint(j));
         return dot(normal, view) > kGrazing * length(view);
     }
@@ -192,8 +204,12 @@ class LeafFit {
     NeighbourTable& table_;
     std::vector<LocalPlane>& planes_;
     NearestSearch search_;
-    std::vector<std::uint32_t> queries_, noisy_, wanting_, odd_;
-    std::vector<Vec3d> offsets_;
+    int ahead_;                // points found for each of a leaf at first
+    std::uint32_t grown_ = 0;  // points of the leaf that needed more than k
+    std::vector<std::uint32_t> queries_, odd_;
+    std::vector<Wanting> wanting_;
+    std::span<const std::uint32_t>
+        views_;  // where each point was seen from; empty: all from one place
 };
 
 }  // namespace

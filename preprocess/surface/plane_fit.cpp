@@ -2,7 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
+
+// No fused operations (-ffp-contract=off), so every clone gives the same bits. The sanitizers start
+// too late for the choice at load time.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__)
+#define GLOWWORM_WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define GLOWWORM_WIDE
+#endif
 
 namespace glowworm {
 namespace {
@@ -11,8 +20,8 @@ struct Covariance {
     double xx, xy, xz, yy, yz, zz;
 };
 
-/// The smallest root of the characteristic polynomial of `c`, whose trace is 1. Newton's method
-/// from 0, which lies below it: there the polynomial is concave and rising, so no step overshoots.
+/// The smallest root of the characteristic polynomial of `c`, whose trace is 1. Halley's method
+/// from 0, which lies below it: of a polynomial whose roots are all real no step overshoots there.
 double smallest_eigenvalue(const Covariance& c) {
     const double minors =
         c.xx * c.yy - c.xy * c.xy + c.xx * c.zz - c.xz * c.xz + c.yy * c.zz - c.yz * c.yz;
@@ -23,8 +32,10 @@ double smallest_eigenvalue(const Covariance& c) {
     for (int step = 0; step < 40; ++step) {
         const double value = ((root - 1.0) * root + minors) * root - determinant;
         const double slope = (3.0 * root - 2.0) * root + minors;
+        const double bend = 3.0 * root - 1.0;  // half the second derivative
         if (!(value < 0.0) || !(slope > 1e-14)) break;
-        const double next = std::min(root - value / slope, 1.0 / 3.0);
+        const double next =
+            std::min(root - value * slope / (slope * slope - value * bend), 1.0 / 3.0);
         if (next - root <= 1e-12 * next) return next;
         root = next;
     }
@@ -61,6 +72,51 @@ Vec3d across(const Covariance& c) {
 }
 
 }  // namespace
+
+GLOWWORM_WIDE
+Moments moments_of(const float* x, const float* y, const float* z, std::size_t count) {
+    using Floats [[gnu::vector_size(16)]] = float;
+    using Lanes [[gnu::vector_size(32)]] = double;
+    Lanes sx{}, sy{}, sz{}, xx{}, xy{}, xz{}, yy{}, yz{}, zz{};
+    float rest[3][4] = {};  // what is left of four, and zeros
+    for (std::size_t i = 0; i < count; i += 4, x += 4, y += 4, z += 4) {
+        if (count - i < 4) {
+            x = std::copy_n(x, count - i, rest[0]) - (count - i);
+            y = std::copy_n(y, count - i, rest[1]) - (count - i);
+            z = std::copy_n(z, count - i, rest[2]) - (count - i);
+        }
+        Floats fx, fy, fz;
+        std::memcpy(&fx, x, sizeof fx);
+        std::memcpy(&fy, y, sizeof fy);
+        std::memcpy(&fz, z, sizeof fz);
+        const Lanes px = __builtin_convertvector(fx, Lanes);
+        const Lanes py = __builtin_convertvector(fy, Lanes);
+        const Lanes pz = __builtin_convertvector(fz, Lanes);
+        sx += px;
+        sy += py;
+        sz += pz;
+        xx += px * px;
+        xy += px * py;
+        xz += px * pz;
+        yy += py * py;
+        yz += py * pz;
+        zz += pz * pz;
+    }
+    const auto total = [](const double* lane) { return (lane[0] + lane[1]) + (lane[2] + lane[3]); };
+    Moments moments;
+    moments.weight = static_cast<double>(count);
+    alignas(32) double sums[9][4];
+    const Lanes lanes[9] = {sx, sy, sz, xx, xy, xz, yy, yz, zz};
+    std::memcpy(sums, lanes, sizeof sums);
+    moments.sum = {total(sums[0]), total(sums[1]), total(sums[2])};
+    moments.xx = total(sums[3]);
+    moments.xy = total(sums[4]);
+    moments.xz = total(sums[5]);
+    moments.yy = total(sums[6]);
+    moments.yz = total(sums[7]);
+    moments.zz = total(sums[8]);
+    return moments;
+}
 
 double PlaneFit::area() const {
     return 4.0 * std::numbers::pi * std::sqrt(std::max(width2, 0.0) * std::max(length2, 0.0));

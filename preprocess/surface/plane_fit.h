@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include "octree/vec3.h"
 
 namespace glowworm {
@@ -22,6 +24,9 @@ struct Moments {
         zz += q.z * p.z;
     }
 };
+
+/// Moments of points ([count] each, m), summed in four lanes: the same bits on every processor.
+Moments moments_of(const float* x, const float* y, const float* z, std::size_t count);
 
 /// The plane of least squares through points: their principal components.
 struct PlaneFit {

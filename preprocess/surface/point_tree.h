@@ -35,7 +35,7 @@ struct PointTree {
 inline constexpr float kFarthest = 1e7f;
 
 /// Points per leaf: few enough to measure all, enough to share one walk down the tree.
-inline constexpr std::uint32_t kLeafPoints = 32;
+inline constexpr std::uint32_t kLeafPoints = 48;
 
 /// Sorts and boxes `positions` (fewer than 2^32). Empty in, empty out. Time O(n log n), in
 /// parallel.

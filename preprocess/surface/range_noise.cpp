@@ -1,5 +1,6 @@
 #include "preprocess/surface/range_noise.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -22,25 +23,10 @@ constexpr int kSecondOpinion = 4;
 /// Parameters of a quadric over a plane: 1, u, v, u², uv, v².
 constexpr int kTerms = 6;
 
-Moments moments_of(const PointTree& tree, std::uint32_t i,
-                   std::span<const std::uint32_t> neighbours) {
-    Moments moments;
-    moments.add({});
-    for (const std::uint32_t j : neighbours) {
-        moments.add(vec3_cast<double>(tree.position(j) - tree.position(i)));
-    }
-    return moments;
-}
-
 /// rms distance, with kTerms degrees of freedom taken out, of the points from the quadric fitted to
 /// them, m; negative where it is not determined.
-double quadric_residual(const PointTree& tree, std::uint32_t i,
-                        std::span<const std::uint32_t> neighbours, const PlaneFit& plane) {
-    const Vec3f origin = tree.position(i);
-    const auto offset = [&](std::uint32_t j) {
-        return vec3_cast<double>(tree.position(j) - origin);
-    };
-    const double count = static_cast<double>(neighbours.size()) + 1.0;
+double quadric_residual(const Neighbours& near, const PlaneFit& plane) {
+    const double count = static_cast<double>(near.size()) + 1.0;
     if (!plane.is_planar() || count < 2 * kTerms) return -1.0;
 
     const Vec3d axis = std::abs(plane.normal.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
@@ -51,18 +37,15 @@ double quadric_residual(const PointTree& tree, std::uint32_t i,
     // Normal equations with the heights as a seventh column: Cholesky's last pivot is then the sum
     // of squared residuals.
     double a[kTerms + 1][kTerms + 1] = {};
-    const auto add = [&](const Vec3d& p) {
-        const Vec3d q = p - plane.centre;
+    for (std::size_t i = 0; i <= near.size(); ++i) {
+        const Vec3d q = Vec3d{near.x[i], near.y[i], near.z[i]} - plane.centre;
         const double s = dot(u, q), t = dot(v, q);
         const double row[kTerms + 1] = {1.0, s, t, s * s, s * t, t * t, dot(plane.normal, q)};
         for (int r = 0; r <= kTerms; ++r) {
             for (int c = 0; c <= r; ++c)
                 a[r][c] += row[r] * row[c];
         }
-    };
-    add({});
-    for (const std::uint32_t j : neighbours)
-        add(offset(j));
+    }
     for (int c = 0; c < kTerms; ++c) {
         if (!(a[c][c] > 1e-9 * count)) return -1.0;
         for (int r = c + 1; r <= kTerms; ++r) {
@@ -72,6 +55,22 @@ double quadric_residual(const PointTree& tree, std::uint32_t i,
         }
     }
     return std::sqrt(std::max(a[kTerms][kTerms], 0.0) / (count - kTerms));
+}
+
+PlaneFit plane_of(const Neighbours& near) {
+    return fit_plane(moments_of(near.x, near.y, near.z, near.size() + 1));
+}
+
+double residual(const Neighbours& few, const Neighbours& many) {
+    const PlaneFit wide = plane_of(many), close = plane_of(few);
+    const bool agree =
+        close.width2 > 0.05 * close.length2 && std::abs(dot(wide.normal, close.normal)) > 0.8;
+    return agree ? quadric_residual(few, close) : quadric_residual(many, wide);
+}
+
+float distance_of_last(const Neighbours& near) {
+    const std::size_t last = near.size();
+    return length(Vec3f{near.x[last], near.y[last], near.z[last]});
 }
 
 /// The value below which `share` of `values` lie; 0 where there are none.
@@ -98,20 +97,18 @@ CloudScale measure_scale(const PointTree& tree, int k) {
     k = std::max(k, kFewest);
     const std::size_t sample = std::min(tree.size(), kSample);
     std::vector<double> distances(sample), residuals(sample);
-    tbb::parallel_for(std::size_t{0}, sample, [&](std::size_t s) {
-        const auto i = static_cast<std::uint32_t>(s * tree.size() / sample);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sample, 64), [&](const auto& range) {
         NearestSearch search(tree);
-        search.gather({&i, 1}, kSecondOpinion * k - 1, kFarthest);
-        search.measure(i);
-        const auto many = search.nearest_in_order(kSecondOpinion * k - 1);
-        const auto few = many.first(std::min(many.size(), static_cast<std::size_t>(k) - 1));
-        distances[s] = length(tree.position(few.back()) - tree.position(i));
-        const PlaneFit wide = fit_plane(moments_of(tree, i, many));
-        const PlaneFit close = fit_plane(moments_of(tree, i, few));
-        const bool agree =
-            close.width2 > 0.05 * close.length2 && std::abs(dot(wide.normal, close.normal)) > 0.8;
-        residuals[s] =
-            agree ? quadric_residual(tree, i, few, close) : quadric_residual(tree, i, many, wide);
+        for (std::size_t s = range.begin(); s < range.end(); ++s) {
+            const auto i = static_cast<std::uint32_t>(s * tree.size() / sample);
+            search.visit_nearest({&i, 1}, kSecondOpinion * k - 1, kFarthest,
+                                 [&](std::uint32_t, const Neighbours& many) {
+                                     const Neighbours few =
+                                         many.first(static_cast<std::size_t>(k) - 1);
+                                     distances[s] = distance_of_last(few);
+                                     residuals[s] = residual(few, many);
+                                 });
+        }
     });
     std::erase_if(residuals, [](double r) { return r < 0.0; });
     scale.reach = static_cast<float>(quantile(distances, 0.95));

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "octree/error.h"
 #include "preprocess/surface/albedo.h"
@@ -100,35 +101,38 @@ float normal_error(const LocalPlane& plane, float range_noise) {
     return std::min(plane.error_per_noise * scatter * 180.0f / std::numbers::pi_v<float>, 90.0f);
 }
 
-/// Surfels in the order of the cloud's points, those without a plane left out.
+/// Surfels in the order of the cloud's points, those without a plane left out. In parallel.
 void write_surfels(const PointCloud& cloud, const SurfacePoints& points,
                    const std::vector<LocalPlane>& planes, const std::vector<float>& ndf_lengths,
                    const std::vector<Rgb8>& albedo, float range_noise, std::vector<Surfel>& surfels,
                    std::vector<float>* normal_errors) {
-    constexpr std::uint32_t kNone = kNoNeighbour;
-    std::vector<std::uint32_t> place(cloud.points.size(), kNone);
-    for (std::size_t t = 0; t < points.size(); ++t) {
-        if (planes[t].area > 0.0f) place[points.tree.order[t]] = static_cast<std::uint32_t>(t);
-    }
-    surfels.reserve(points.size());
-    if (normal_errors) {
-        normal_errors->clear();
-        normal_errors->reserve(points.size());
-    }
-    for (std::size_t i = 0; i < place.size(); ++i) {
-        if (place[i] == kNone) continue;
-        const LocalPlane& plane = planes[place[i]];
-        Surfel surfel;
-        surfel.position = cloud.points.positions[i];
-        surfel.normal = normalized(plane.normal);
-        surfel.radius = std::sqrt(plane.area / std::numbers::pi_v<float>);
-        surfel.ndf_length = ndf_lengths[place[i]];
-        surfel.albedo = to_linear(albedo[i]);
-        if (!cloud.points.emissions.empty()) surfel.emission = cloud.points.emissions[i];
-        surfel.station = points.station(place[i]);
-        surfels.push_back(surfel);
-        if (normal_errors) normal_errors->push_back(normal_error(plane, range_noise));
-    }
+    std::vector<std::uint32_t> place(cloud.points.size(), 0);
+    for (std::size_t t = 0; t < points.size(); ++t)
+        place[points.tree.order[t]] = planes[t].area > 0.0f ? 1 : 0;
+    std::exclusive_scan(place.begin(), place.end(), place.begin(), 0u);
+    const auto count = static_cast<std::size_t>(
+        std::ranges::count_if(planes, [](const LocalPlane& plane) { return plane.area > 0.0f; }));
+    surfels.resize(count);
+    if (normal_errors) normal_errors->resize(count);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 4096),
+                      [&](const auto& range) {
+                          for (std::size_t t = range.begin(); t < range.end(); ++t) {
+                              const LocalPlane& plane = planes[t];
+                              if (!(plane.area > 0.0f)) continue;
+                              const std::uint32_t i = points.tree.order[t];
+                              Surfel& surfel = surfels[place[i]];
+                              surfel.position = points.tree.position(t);
+                              surfel.normal = normalized(plane.normal);
+                              surfel.radius = std::sqrt(plane.area / std::numbers::pi_v<float>);
+                              surfel.ndf_length = ndf_lengths[t];
+                              surfel.albedo = to_linear(albedo[i]);
+                              if (!cloud.points.emissions.empty())
+                                  surfel.emission = cloud.points.emissions[i];
+                              surfel.station = points.station(t);
+                              if (normal_errors)
+                                  (*normal_errors)[place[i]] = normal_error(plane, range_noise);
+                          }
+                      });
 }
 
 }  // namespace

@@ -23,19 +23,13 @@ std::vector<float> spacing_radii(std::span<const Vec3f> positions) {
     const PointTree tree = make_point_tree(positions);
     std::vector<float> radii(positions.size(), 0.0f);
     constexpr int kOthers = kSpacingPoints - 1;
-    for_each_neighbourhood(tree, kOthers, kFarthest, [&](std::uint32_t i, NearestSearch& search) {
-        const auto found = search.nearest_in_order(kOthers);
-        const Vec3f origin = tree.position(i);
-        Moments moments;
-        moments.add({});
-        for (const std::uint32_t j : found)
-            moments.add(vec3_cast<double>(tree.position(j) - origin));
-        const PlaneFit fit = fit_plane(moments);
+    for_each_neighbourhood(tree, kOthers, kFarthest, [&](std::uint32_t i, const Neighbours& near) {
+        const PlaneFit fit = fit_plane(moments_of(near.x, near.y, near.z, near.size() + 1));
         float& radius = radii[tree.order[i]];
         if (fit.is_planar()) {
             radius = static_cast<float>(std::sqrt(area_per_point(fit) / std::numbers::pi));
-        } else if (!found.empty()) {
-            radius = length(tree.position(found[0]) - origin);
+        } else if (near.size() > 0) {
+            radius = length(Vec3f{near.x[1], near.y[1], near.z[1]});
         }
     });
     return radii;
