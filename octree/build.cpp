@@ -40,6 +40,21 @@ std::vector<CodeIndex> sorted_codes(std::span<const Surfel> surfels, const Cloud
     return order;
 }
 
+/// The surfels in the order of their codes, which then count them from the first on.
+std::vector<Surfel> in_order(std::span<const Surfel> surfels, std::vector<CodeIndex>& order) {
+    std::vector<Surfel> sorted(order.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, order.size(), kGrain),
+                      [&](const auto& range) {
+                          for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                              if (i + kPrefetchAhead < order.size())
+                                  prefetch(&surfels[order[i + kPrefetchAhead].index]);
+                              sorted[i] = surfels[order[i].index];
+                              order[i].index = static_cast<std::uint32_t>(i);
+                          }
+                      });
+    return sorted;
+}
+
 /// Radius of a sample's share of the surface where none is given: at the deepest level with four
 /// samples a cell, a surface of area A crosses about 1.5 A / h² cells.
 double radius_from_spacing(std::span<const CodeIndex> order, const Grid& grid) {
@@ -155,8 +170,7 @@ void fill_missing_radii(SurfelCloud& cloud) {
     }
 }
 
-Octree build_octree(const SurfelCloud& cloud, const BuildSettings& settings,
-                    const Progress& progress) {
+Octree build_octree(SurfelCloud cloud, const BuildSettings& settings, const Progress& progress) {
     const std::uint64_t total = cloud.surfels.size();
     const auto report = [&](std::uint64_t fifths) {
         if (progress) progress(total * fifths / 5, total);
@@ -185,24 +199,21 @@ Octree build_octree(const SurfelCloud& cloud, const BuildSettings& settings,
     // 1. Grid and order. Without any radius the spacing has to come from the order first.
     Octree octree;
     octree.grid = fit_grid(summary, cloud.origin, settings);
-    std::span<const Surfel> surfels = cloud.surfels;
-    const std::vector<CodeIndex> order = sorted_codes(surfels, summary, octree.grid);
-    std::vector<Surfel> repaired;
+    std::vector<CodeIndex> order = sorted_codes(cloud.surfels, summary, octree.grid);
+    std::vector<Surfel> surfels = in_order(cloud.surfels, order);
+    std::vector<Surfel>().swap(cloud.surfels);
     if (summary.needs_repair) {
         if (summary.median_radius == 0.0) {
             summary.median_radius = radius_from_spacing(order, octree.grid);
-            summary.largest_radius = summary.median_radius;
             octree.grid.depth = fit_grid(summary, cloud.origin, settings).depth;
         }
-        repaired.assign(surfels.begin(), surfels.end());
-        for (Surfel& s : repaired)
+        for (Surfel& s : surfels)
             repair(s, summary.median_radius);
-        surfels = repaired;
     }
     report(1);
 
     // 2. Leaves, and the levels over them.
-    Leaves leaves = voxelize(surfels, order, octree.grid, summary.largest_radius, tile);
+    Leaves leaves = voxelize(surfels, order, octree.grid, tile);
     if (leaves.codes.empty()) {
         throw Error(ExitCode::kDegenerate, "the tile has no points and no surface");
     }

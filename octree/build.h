@@ -42,11 +42,12 @@ void require_tile(const BuildSettings& settings);
 void fill_missing_radii(SurfelCloud& cloud);
 
 /// Builds the octree: sort by Morton code, splat into leaves, filter up, pack the points. The same
-/// cloud gives the same bytes on any number of threads. Surfels that are not finite are dropped and
-/// counted; a radius that is not positive is replaced by one from the samples' spacing. Throws
-/// Error (kDegenerate) for a cloud without a usable surfel, (kUsage) for settings that cannot be
-/// met.
-Octree build_octree(const SurfelCloud& cloud, const BuildSettings& settings = {},
+/// cloud gives the same bytes on any number of threads. Hand the cloud over where it is not needed
+/// any more: its surfels are given back while the tree is built. Surfels that are not finite are
+/// dropped and counted; a radius that is not positive is replaced by one from the samples' spacing.
+/// Throws Error (kDegenerate) for a cloud without a usable surfel, (kUsage) for settings that
+/// cannot be met.
+Octree build_octree(SurfelCloud cloud, const BuildSettings& settings = {},
                     const Progress& progress = {});
 
 }  // namespace glowworm

@@ -102,9 +102,8 @@ BuildFileReport build_at_once(const SurfelStream& stream, const BuildSettings& s
             require_room(estimate_size(summary, fit_grid(summary, cloud.origin, settings)), path);
     }
     BuildFileReport report;
-    Octree octree = build_octree(cloud, settings, progress);
+    Octree octree = build_octree(std::move(cloud), settings, progress);
     const std::uint64_t dropped = stream.dropped + octree.dropped_count;
-    cloud = {};
     write(std::move(octree), dropped, path, progress, report);
     return report;
 }
@@ -174,8 +173,7 @@ class LimitedBuild {
         BuildFileReport report;
         if (cloud.surfels.empty()) refuse_empty();
         const Progress still_here = passes_.standing();
-        Octree octree = build_octree(cloud, settings_, still_here);
-        cloud = {};
+        Octree octree = build_octree(std::move(cloud), settings_, still_here);
         write(std::move(octree), dropped(), path_, still_here, report);
         return report;
     }
@@ -234,8 +232,7 @@ class LimitedBuild {
             cloud.surfels = spills[t].take();
             tile_settings.tile = tiling.tiles()[t];
             const auto file = folder.path() / ("tile" + std::to_string(t) + ".svo");
-            Octree octree = build_octree(cloud, tile_settings, passes_.standing());
-            cloud = {};
+            Octree octree = build_octree(std::move(cloud), tile_settings, passes_.standing());
             write_octree_file(octree.view(), file,
                               {.progress = passes_.standing(), .synced = false});
             built.push_back(OctreeFile::open(file));

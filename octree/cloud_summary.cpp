@@ -35,7 +35,6 @@ CloudSummary joined(CloudSummary a, const CloudSummary& b) {
     a.dropped += b.dropped;
     a.needs_repair |= b.needs_repair;
     a.radius_missing |= b.radius_missing;
-    a.largest_radius = std::max(a.largest_radius, b.largest_radius);
     return a;
 }
 
@@ -47,7 +46,6 @@ CloudSummary one(const Surfel& s) {
     sum.bounds_min = sum.bounds_max = s.position;
     sum.needs_repair = !in_range(s);
     sum.radius_missing = !has_radius(s);
-    sum.largest_radius = has_radius(s) ? s.radius : 0.0;
     return sum;
 }
 

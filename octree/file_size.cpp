@@ -13,9 +13,7 @@ namespace glowworm {
 SizeEstimate estimate_size(const CloudSummary& summary, const Grid& grid) {
     constexpr double kLobesPerLeaf = 1.2;  // measured on scans
     const auto samples = static_cast<double>(summary.usable);
-    Surfel median{};
-    median.radius = static_cast<float>(summary.median_radius);
-    const double most = samples * splat_of(median, grid.voxel_size()).pieces;
+    const double most = samples * splat_of(summary.median_radius / grid.voxel_size()).pieces;
     const double area = samples * summary.median_spacing() * summary.median_spacing();
 
     SizeEstimate size;

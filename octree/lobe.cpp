@@ -22,9 +22,20 @@ double cosine_between(const LobeSums& a, const LobeSums& b) {
     return dot(normalized(a.ndf), normalized(b.ndf));
 }
 
-std::uint32_t pack_corner(const Vec3d& corner, double (*round)(double)) {
-    const auto axis = [&](double v) {
-        return static_cast<std::uint32_t>(std::clamp(round((v + 0.5) * 255.0), 0.0, 255.0));
+/// In 1/255 of the leaf's edge from its lower corner.
+double steps_of(double v) {
+    return std::clamp((v + 0.5) * 255.0, 0.0, 255.0);
+}
+
+std::uint32_t pack_rounded_down(const Vec3d& corner) {
+    const auto axis = [](double v) { return static_cast<std::uint32_t>(steps_of(v)); };
+    return axis(corner.x) | axis(corner.y) << 8 | axis(corner.z) << 16;
+}
+
+std::uint32_t pack_rounded_up(const Vec3d& corner) {
+    const auto axis = [](double v) {
+        const auto down = static_cast<std::uint32_t>(steps_of(v));
+        return down + (steps_of(v) > down ? 1u : 0u);
     };
     return axis(corner.x) | axis(corner.y) << 8 | axis(corner.z) << 16;
 }
@@ -55,8 +66,8 @@ Lobe lobe_of(const LobeSums& sums, const LeafSums& leaf) {
     lobe.plane_sigma = static_cast<float>(plane_spread(sums) * leaf.edge);
     store(sums.albedo / sums.area, lobe.albedo);
     lobe.light = sums.light;
-    lobe.patch_min = pack_corner(sums.lower, std::floor);
-    lobe.patch_max = pack_corner(sums.upper, std::ceil);
+    lobe.patch_min = pack_rounded_down(sums.lower);
+    lobe.patch_max = pack_rounded_up(sums.upper);
     lobe.emission = pack_rgb9e5(vec3_cast<float>(sums.emission / sums.area));
     lobe.spacing = static_cast<float>(std::sqrt(sums.area / sums.surfels));
     return lobe;
@@ -112,45 +123,30 @@ void LeafSums::add_box(const LobeSample& sample, const Vec3d& lower, const Vec3d
         sample.light};
     if (sample.plane_sigma > 0.0)
         add_spread(normalized(sample.ndf), sample.plane_sigma / edge, piece);
-    add_piece(sample, piece);
+    add_sums(sample, piece);
 }
 
-void LeafSums::add_all(const LobeSample& sample, std::span<const Vec3d> positions) {
-    const double scale = 1.0 / edge;
-    Vec3d sum, lower = (positions[0] - centre) * scale, upper = lower;
-    double products[6] = {};
-    for (const Vec3d& position : positions) {
-        const Vec3d p = (position - centre) * scale;
-        lower = component_min(lower, p);
-        upper = component_max(upper, p);
-        sum += p;
-        products[0] += p.x * p.x;
-        products[1] += p.y * p.y;
-        products[2] += p.z * p.z;
-        products[3] += p.x * p.y;
-        products[4] += p.x * p.z;
-        products[5] += p.y * p.z;
-    }
-    const double each = sample.area / static_cast<double>(positions.size());
-    add_piece(sample, {sample.area,
-                       sample.surfels,
-                       sum * each,
-                       sample.ndf * sample.area,
-                       sample.albedo * sample.area,
-                       sample.emission * sample.area,
-                       {products[0] * each, products[1] * each, products[2] * each,
-                        products[3] * each, products[4] * each, products[5] * each},
-                       lower,
-                       upper,
-                       sample.light});
+void LeafSums::add_pieces(const LobeSample& sample, const PieceMoments& pieces) {
+    const double a = sample.area;
+    const double(&m)[6] = pieces.products;
+    add_sums(sample, {a,
+                      sample.surfels,
+                      pieces.mean * a,
+                      sample.ndf * a,
+                      sample.albedo * a,
+                      sample.emission * a,
+                      {m[0] * a, m[1] * a, m[2] * a, m[3] * a, m[4] * a, m[5] * a},
+                      pieces.lower,
+                      pieces.upper,
+                      sample.light});
 }
 
-void LeafSums::add_piece(const LobeSample& sample, const LobeSums& piece) {
+void LeafSums::add_sums(const LobeSample& sample, const LobeSums& sums) {
     const std::size_t index = sample.emits() ? kEmitters : nearest_axis(sample.ndf);
     if (used >> index & 1u) {
-        classes[index] += piece;
+        classes[index] += sums;
     } else {
-        classes[index] = piece;
+        classes[index] = sums;
         used |= 1u << index;
     }
 }
@@ -161,6 +157,10 @@ std::size_t LeafSums::finish(std::array<Lobe, kMaxLobes>& lobes) const {
     const std::uint32_t surface = used & 0x3fu;
     if (surface != 0) {
         std::size_t largest = static_cast<std::size_t>(std::countr_zero(surface));
+        if (std::has_single_bit(used)) {
+            lobes[0] = lobe_of(classes[largest], *this);
+            return 1;
+        }
         for (std::size_t i = largest + 1; i < kEmitters; ++i) {
             if ((surface >> i & 1u) && classes[i].area > classes[largest].area) largest = i;
         }

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 
 #include "octree/node_layout.h"
 #include "octree/vec3.h"
@@ -26,6 +25,14 @@ struct LobeSample {
     bool emits() const {
         return light != 0 || emission.x > 0.0 || emission.y > 0.0 || emission.z > 0.0;
     }
+};
+
+/// Pieces of one surfel in a leaf: lengths in leaf edges from the leaf's centre.
+struct PieceMoments {
+    double share = 0.0;  ///< of the surfel, 0..1
+    Vec3d mean;
+    double products[6] = {};  ///< means of xx, yy, zz, xy, xz, yz
+    Vec3d lower, upper;
 };
 
 /// Area-weighted sums of samples, lengths in leaf edges from the leaf's centre.
@@ -53,16 +60,16 @@ struct LeafSums {
     void add(const LobeSample& sample);
     /// Adds a finer leaf's lobe whose patch spans `lower` to `upper` (m).
     void add_box(const LobeSample& sample, const Vec3d& lower, const Vec3d& upper);
-    /// Adds equal samples at `positions` (m) at once: the area and number of `sample` are of all of
-    /// them together, its position is not looked at.
-    void add_all(const LobeSample& sample, std::span<const Vec3d> positions);
+    /// Adds pieces of a surfel at once: the area and number of `sample` are of all of them
+    /// together, its position is not looked at.
+    void add_pieces(const LobeSample& sample, const PieceMoments& pieces);
 
     /// Writes one to three lobes, the surface's first, the larger one first, and returns how many.
     /// The surface is split in two where mean normals lie more than 60° apart.
     std::size_t finish(std::array<Lobe, kMaxLobes>& lobes) const;
 
   private:
-    void add_piece(const LobeSample& sample, const LobeSums& piece);
+    void add_sums(const LobeSample& sample, const LobeSums& piece);
 };
 
 }  // namespace glowworm

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -15,57 +16,76 @@ namespace glowworm {
 struct Splat {
     std::uint32_t rings = 0;   ///< 0: a point, else concentric rings around it
     std::uint32_t pieces = 1;  ///< 1 + 3 rings (rings + 1)
-    double radius = 0.0;       ///< m: of the disc
-    double area = 0.0;         ///< m²: of the whole, whatever the disc's radius
+    double radius = 0.0;       ///< of the disc, in leaf edges
 };
 
 /// Most rings of a splat: pieces lie at most a quarter of a voxel apart up to discs of 1.7 voxels
 /// in radius, and further apart beyond.
 inline constexpr std::uint32_t kMaxSplatRings = 7;
+inline constexpr std::size_t kMaxPieces = 1 + 3 * kMaxSplatRings * (kMaxSplatRings + 1);
 
-Splat splat_of(const Surfel& surfel, double voxel);
+/// `radius`: of the surfel, in leaf edges.
+Splat splat_of(double radius);
 
-/// Position of a splat's piece, m, relative to the grid's origin. Piece 0 is the surfel itself.
-Vec3d piece_position(const Surfel& surfel, const Splat& splat, std::uint32_t piece);
+/// Which pieces of a disc lie in one leaf: a bit each where a disc has at most 19, else how many
+/// they are and which is the first.
+using PieceSet = std::uint32_t;
 
-/// Whether all of a splat surely lies in the leaf of its surfel.
-bool stays_inside(const Surfel& surfel, const Splat& splat, const Grid& grid);
+struct DiscPart {
+    CellIndex leaf;
+    PieceSet pieces = 0;
+};
+using DiscParts = std::array<DiscPart, kMaxPieces>;
 
-/// Lays one disc after the other over the leaves: where its pieces are and in which leaf each.
-class DiscPieces {
-  public:
-    explicit DiscPieces(const Grid& grid);  ///< `grid` must outlive it
+/// The root cube in leaf edges.
+struct LeafGrid {
+    explicit LeafGrid(const Grid& grid);
 
-    void place(const Surfel& surfel);
-
-    /// The surfel's own leaf is that of piece 0.
-    const CellIndex& cell(std::uint32_t piece) const { return cells_[piece]; }
-
-    /// Adds the pieces of `surfel`, the one placed last, that lie in the same leaf as piece
-    /// `first`, all at once.
-    void add_to(LeafSums& leaf, const Surfel& surfel, std::uint32_t first);
-
-    /// Calls `visit(piece)` with the first piece in each leaf but the surfel's own.
-    template <typename Visit>
-    void for_each_other_leaf(const Visit& visit) const {
-        for (std::uint32_t i = 1; i < splat_.pieces; ++i) {
-            bool first = true;
-            for (std::uint32_t j = 0; j < i && first; ++j)
-                first = !(cells_[j] == cells_[i]);
-            if (first) visit(i);
-        }
+    /// Exactly where Grid::code_of finds a position (m), which lies outside at its side.
+    Vec3d at(const Vec3f& position) const {
+        const auto axis = [&](float p, double lower) {
+            return std::clamp((p - lower) * leaves_per_metre, 0.0, last);
+        };
+        return {axis(position.x, cube_min.x), axis(position.y, cube_min.y),
+                axis(position.z, cube_min.z)};
     }
 
-  private:
-    static constexpr std::size_t kMaxPieces = 1 + 3 * kMaxSplatRings * (kMaxSplatRings + 1);
+    Vec3d cube_min;  ///< m
+    double leaves_per_metre;
+    double leaves;  ///< along an edge
+    double last;    ///< farthest coordinate inside
+};
 
-    const Grid& grid_;
-    double voxel_;
-    std::uint32_t shift_;
-    Vec3d lower_, upper_;
+/// A surfel's splat as it lies over the leaves of a grid. Lengths are in leaf edges, counted from
+/// the root cube's lower corner.
+class Disc {
+  public:
+    Disc(const Surfel& surfel, const LeafGrid& grid);  ///< `grid` must outlive it
+
+    std::uint32_t pieces() const { return splat_.pieces; }
+
+    /// Where a piece is; what sticks out of the root cube is moved to its side, so that area is
+    /// conserved. Piece 0 is the surfel itself.
+    Vec3d at(std::uint32_t piece) const;
+
+    /// Finds the leaves that have pieces, the surfel's own first, and returns how many they are.
+    std::size_t cut(DiscParts& parts) const;
+
+    /// Adds a part to the sums of its leaf. `surfel` is the one that this disc is of.
+    void add_to(LeafSums& sums, const Surfel& surfel, const DiscPart& part) const;
+
+  private:
+    bool is_inside_one_leaf() const;
+    bool is_inside_cube() const;
+    std::size_t cut_small(DiscParts& parts) const;
+    std::size_t cut_any(DiscParts& parts) const;
+    PieceMoments moments_of(const DiscPart& part) const;
+
+    const LeafGrid& grid_;
     Splat splat_;
-    std::array<Vec3d, kMaxPieces> positions_, inside_;
-    std::array<CellIndex, kMaxPieces> cells_;
+    Vec3d centre_;
+    CellIndex leaf_;  ///< the surfel's own
+    Vec3d u_, v_;     ///< along the disc, as long as its radius
 };
 
 }  // namespace glowworm

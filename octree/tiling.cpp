@@ -21,11 +21,10 @@ std::uint64_t full_code_of(const Surfel& surfel, const Grid& grid) {
 }  // namespace
 
 std::uint64_t bytes_to_build(const Surfel& surfel, const Grid& grid) {
-    const Splat splat = splat_of(surfel, grid.voxel_size());
+    const Splat splat = splat_of(surfel.radius / grid.voxel_size());
     // A disc meets about two leaves for each voxel face of its area, and each piece at most one.
-    const double faces = splat.radius * splat.radius / (grid.voxel_size() * grid.voxel_size());
-    const auto leaves =
-        static_cast<std::uint64_t>(std::min<double>(splat.pieces - 1, 2.0 * 3.15 * faces));
+    const double faces = 3.15 * splat.radius * splat.radius;
+    const auto leaves = static_cast<std::uint64_t>(std::min<double>(splat.pieces - 1, 2.0 * faces));
     return kBytesPerSurfel + leaves * kBytesPerLeaf;
 }
 
@@ -83,11 +82,13 @@ void Tiling::cut(const CellWeights& weights, OctreeCell cell, std::uint64_t capa
 void Tiling::find(const Surfel& surfel, std::vector<std::uint32_t>& reached) const {
     reached.clear();
     const std::uint64_t root_first = root_.code << 3 * (level_ - root_.level);
-    const Splat splat = splat_of(surfel, grid_.voxel_size());
-    for (std::uint32_t piece = 0; piece < splat.pieces; ++piece) {
-        const std::uint64_t code = grid_.code_of(piece_position(surfel, splat, piece));
-        if (!root_.holds(code)) continue;
-        const std::uint32_t tile = tile_of_cell_[code_at_level(code, level_) - root_first];
+    const std::uint32_t up = 3 * (grid_.depth - level_), to_root = 3 * (level_ - root_.level);
+    DiscParts parts;
+    const std::size_t count = Disc(surfel, LeafGrid(grid_)).cut(parts);
+    for (const DiscPart& part : std::span(parts).first(count)) {
+        const std::uint64_t cell = morton_encode(part.leaf) >> up;
+        if (cell >> to_root != root_.code) continue;
+        const std::uint32_t tile = tile_of_cell_[cell - root_first];
         if (std::find(reached.begin(), reached.end(), tile) == reached.end())
             reached.push_back(tile);
     }
@@ -95,11 +96,12 @@ void Tiling::find(const Surfel& surfel, std::vector<std::uint32_t>& reached) con
 
 bool reaches(const Surfel& surfel, const Grid& grid, const OctreeCell& cell) {
     if (cell.level == 0) return true;
-    const Splat splat = splat_of(surfel, grid.voxel_size());
-    for (std::uint32_t piece = 0; piece < splat.pieces; ++piece) {
-        if (cell.holds(grid.code_of(piece_position(surfel, splat, piece)))) return true;
-    }
-    return false;
+    const std::uint32_t up = 3 * (grid.depth - cell.level);
+    DiscParts parts;
+    const std::size_t count = Disc(surfel, LeafGrid(grid)).cut(parts);
+    return std::ranges::any_of(std::span(parts).first(count), [&](const DiscPart& part) {
+        return morton_encode(part.leaf) >> up == cell.code;
+    });
 }
 
 }  // namespace glowworm

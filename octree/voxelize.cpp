@@ -11,153 +11,198 @@
 namespace glowworm {
 namespace {
 
-constexpr std::size_t kBlock = 16384;  ///< surfels a task sweeps
+constexpr std::size_t kBlock = 16384;  ///< surfels a task sweeps, as many more as share a leaf
+constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
 
-/// Discs that reach into other leaves of `tile` than their surfel's own: such a leaf's code, the
-/// surfel, and the first of its pieces there.
-std::vector<CodeIndex> collect_strays(std::span<const Surfel> surfels,
-                                      std::span<const CodeIndex> order, const Grid& grid,
-                                      const OctreeCell& tile) {
+/// What one task cuts and sweeps.
+struct Block {
+    std::size_t begin, end;               ///< surfels
+    std::uint64_t first_code, past_code;  ///< leaves: all of a tile's between its blocks, none in
+                                          ///< blocks of surfels outside the tile
+    bool has_leaves() const { return first_code < past_code; }
+};
+
+/// Parts of discs in other leaves than their surfel's own: such a leaf's code, the surfel and the
+/// pieces. Few leave their block: the others need to be sorted only inside it.
+struct Strays {
+    std::vector<CodeIndex> near, far;
+};
+
+/// Blocks of all surfels, in their order. Those of the tile's own, `inside`, end where a leaf does.
+std::vector<Block> cut_into_blocks(std::span<const CodeIndex> order,
+                                   std::span<const CodeIndex> inside, const Grid& grid) {
+    const auto first = static_cast<std::size_t>(inside.data() - order.data());
+    const std::size_t past = first + inside.size();
+    const auto code_of = [&](std::size_t i) { return code_at_level(order[i].code, grid.depth); };
+    std::vector<Block> blocks;
+    const auto cut_outside = [&](std::size_t begin, std::size_t end) {
+        for (; begin < end; begin += kBlock)
+            blocks.push_back({begin, std::min(end, begin + kBlock), 0, 0});
+    };
+    cut_outside(0, first);
+    std::size_t begin = first;
+    do {
+        std::size_t end = std::min(past, begin + kBlock);
+        while (end < past && code_of(end) == code_of(end - 1))
+            ++end;
+        blocks.push_back(
+            {begin, end, begin == first ? 0 : code_of(begin), end == past ? kNone : code_of(end)});
+        begin = end;
+    } while (begin < past);
+    cut_outside(past, order.size());
+    return blocks;
+}
+
+/// Cuts the discs of a block at the leaves of `tile`. `own`: [all surfels] the pieces in each one's
+/// own leaf.
+Strays cut_discs(std::span<const Surfel> surfels, const Block& block, const Grid& grid,
+                 const OctreeCell& tile, std::span<PieceSet> own) {
     const std::uint32_t tile_shift = 3 * (grid.depth - tile.level);
-    const std::size_t blocks = (order.size() + kBlock - 1) / kBlock;
-    std::vector<std::vector<CodeIndex>> found(blocks);
-    tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
-        const std::size_t end = std::min(order.size(), (block + 1) * kBlock);
-        DiscPieces disc(grid);
-        for (std::size_t i = block * kBlock; i < end; ++i) {
-            if (i + kPrefetchAhead < end) prefetch(&surfels[order[i + kPrefetchAhead].index]);
-            const Surfel& surfel = surfels[order[i].index];
-            const Splat splat = splat_of(surfel, grid.voxel_size());
-            if (splat.pieces == 1 || stays_inside(surfel, splat, grid)) continue;
-            disc.place(surfel);
-            disc.for_each_other_leaf([&](std::uint32_t piece) {
-                const std::uint64_t leaf = morton_encode(disc.cell(piece));
-                if (leaf >> tile_shift == tile.code)
-                    found[block].push_back({leaf, order[i].index, piece});
-            });
+    const LeafGrid leaves(grid);
+    Strays strays;
+    DiscParts parts;
+    for (std::size_t i = block.begin; i < block.end; ++i) {
+        const std::size_t count = Disc(surfels[i], leaves).cut(parts);
+        own[i] = parts[0].pieces;
+        for (std::size_t p = 1; p < count; ++p) {
+            const std::uint64_t code = morton_encode(parts[p].leaf);
+            if (code >> tile_shift != tile.code) continue;
+            const bool near = code >= block.first_code && code < block.past_code;
+            (near ? strays.near : strays.far)
+                .push_back({code, static_cast<std::uint32_t>(i), parts[p].pieces});
         }
-    });
-
-    std::size_t total = 0;
-    for (const auto& part : found)
-        total += part.size();
-    std::vector<CodeIndex> strays;
-    strays.reserve(total);
-    for (auto& part : found) {
-        strays.insert(strays.end(), part.begin(), part.end());
-        std::vector<CodeIndex>().swap(part);
     }
-    radix_sort(strays);
+    radix_sort(strays.near);
     return strays;
 }
 
-/// Sweeps one run of whole leaves: surfels and strays side by side, both in Morton order.
-Leaves sweep(std::span<const Surfel> surfels, std::span<const CodeIndex> order,
-             std::span<const CodeIndex> strays, const Grid& grid) {
-    constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
+/// Those that left their blocks, sorted.
+std::vector<CodeIndex> gather_far(std::span<Strays> blocks) {
+    std::size_t total = 0;
+    for (const Strays& block : blocks)
+        total += block.far.size();
+    std::vector<CodeIndex> far;
+    far.reserve(total);
+    for (Strays& block : blocks) {
+        far.insert(far.end(), block.far.begin(), block.far.end());
+        std::vector<CodeIndex>().swap(block.far);
+    }
+    radix_sort(far);
+    return far;
+}
+
+/// Of entries in ascending order, those with codes from `first` on and before `past`.
+std::span<const CodeIndex> run_of(std::span<const CodeIndex> entries, std::uint64_t first,
+                                  std::uint64_t past) {
+    const auto before = [](const CodeIndex& entry, std::uint64_t code) {
+        return entry.code < code;
+    };
+    const auto begin = std::lower_bound(entries.begin(), entries.end(), first, before);
+    return {begin, std::lower_bound(begin, entries.end(), past, before)};
+}
+
+/// A run of sorted strays that is taken from the front.
+class StrayQueue {
+  public:
+    explicit StrayQueue(std::span<const CodeIndex> strays) : strays_(strays) {}
+    std::uint64_t code() const { return strays_.empty() ? kNone : strays_.front().code; }
+    bool comes_before(const StrayQueue& other) const {
+        return code() < other.code() ||
+               (code() == other.code() && strays_.front().index < other.strays_.front().index);
+    }
+    CodeIndex take() {
+        const CodeIndex first = strays_.front();
+        strays_ = strays_.subspan(1);
+        return first;
+    }
+
+  private:
+    std::span<const CodeIndex> strays_;
+};
+
+/// Sums up the leaves of a block: each leaf's own surfels, then the strays in the order of theirs,
+/// so that the sums do not depend on where blocks end.
+Leaves sweep(std::span<const Surfel> surfels, std::span<const CodeIndex> order, const Block& block,
+             const Grid& grid, std::span<const PieceSet> own, StrayQueue near, StrayQueue far) {
     Leaves out;
-    LeafSums leaf;
-    DiscPieces disc(grid);
+    LeafSums sums;
     std::array<Lobe, kMaxLobes> lobes;
+    const LeafGrid leaves(grid);
     const std::uint32_t depth = grid.depth;
     const double voxel = grid.voxel_size();
-
-    std::size_t i = 0, s = 0;
-    while (i < order.size() || s < strays.size()) {
-        const std::uint64_t own = i < order.size() ? code_at_level(order[i].code, depth) : kNone;
-        const std::uint64_t code = std::min(own, s < strays.size() ? strays[s].code : kNone);
-        leaf.begin(grid.cell_min(morton_decode(code), depth), voxel);
-        for (; i < order.size() && code_at_level(order[i].code, depth) == code; ++i) {
-            if (i + kPrefetchAhead < order.size())
-                prefetch(&surfels[order[i + kPrefetchAhead].index]);
-            const Surfel& surfel = surfels[order[i].index];
-            disc.place(surfel);
-            disc.add_to(leaf, surfel, 0);
+    const auto own_code = [&](std::size_t i) {
+        return i < block.end ? code_at_level(order[i].code, depth) : kNone;
+    };
+    for (std::size_t i = block.begin;;) {
+        const std::uint64_t code = std::min({own_code(i), near.code(), far.code()});
+        if (code == kNone) return out;
+        const CellIndex leaf = morton_decode(code);
+        sums.begin(grid.cell_min(leaf, depth), voxel);
+        const auto add = [&](std::size_t surfel, PieceSet pieces) {
+            Disc(surfels[surfel], leaves).add_to(sums, surfels[surfel], {leaf, pieces});
+        };
+        for (; own_code(i) == code; ++i)
+            add(i, own[i]);
+        while (near.code() == code || far.code() == code) {
+            const CodeIndex stray = (near.comes_before(far) ? near : far).take();
+            add(stray.index, stray.part);
         }
-        for (; s < strays.size() && strays[s].code == code; ++s) {
-            if (s + kPrefetchAhead < strays.size())
-                prefetch(&surfels[strays[s + kPrefetchAhead].index]);
-            const Surfel& surfel = surfels[strays[s].index];
-            disc.place(surfel);
-            disc.add_to(leaf, surfel, strays[s].part);
-        }
-        const std::size_t count = leaf.finish(lobes);
+        const std::size_t count = sums.finish(lobes);
         out.codes.push_back(code);
         out.lobe_counts.push_back(static_cast<std::uint8_t>(count));
         out.lobes.insert(out.lobes.end(), lobes.begin(), lobes.begin() + static_cast<int>(count));
     }
-    return out;
 }
 
-template <typename T>
-void append(std::vector<T>& to, std::vector<T>& from) {
-    to.insert(to.end(), from.begin(), from.end());
-    std::vector<T>().swap(from);
+Leaves joined(std::vector<Leaves>& parts) {
+    std::vector<std::size_t> first_leaf{0}, first_lobe{0};
+    for (const Leaves& part : parts) {
+        first_leaf.push_back(first_leaf.back() + part.codes.size());
+        first_lobe.push_back(first_lobe.back() + part.lobes.size());
+    }
+    Leaves leaves;
+    leaves.codes.resize(first_leaf.back());
+    leaves.lobe_counts.resize(first_leaf.back());
+    leaves.lobes.resize(first_lobe.back());
+    const auto at = [](auto& records, std::size_t first) {
+        return records.begin() + static_cast<std::ptrdiff_t>(first);
+    };
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t p) {
+        std::ranges::copy(parts[p].codes, at(leaves.codes, first_leaf[p]));
+        std::ranges::copy(parts[p].lobe_counts, at(leaves.lobe_counts, first_leaf[p]));
+        std::ranges::copy(parts[p].lobes, at(leaves.lobes, first_lobe[p]));
+        parts[p] = {};
+    });
+    return leaves;
 }
 
 }  // namespace
 
 std::span<const CodeIndex> entries_in(std::span<const CodeIndex> order, const OctreeCell& tile) {
-    const auto before = [](const CodeIndex& entry, std::uint64_t code) {
-        return entry.code < code;
-    };
-    const auto begin = std::lower_bound(order.begin(), order.end(), tile.first_code(), before);
-    return {begin, std::lower_bound(begin, order.end(), tile.end_code(), before)};
+    return run_of(order, tile.first_code(), tile.end_code());
 }
 
-Leaves voxelize(std::span<const Surfel> surfels, std::span<const CodeIndex> all, const Grid& grid,
-                double largest_radius, const OctreeCell& tile) {
-    Surfel largest;
-    largest.radius = static_cast<float>(largest_radius);
-    std::vector<CodeIndex> strays;
-    if (splat_of(largest, grid.voxel_size()).pieces > 1) {
-        strays = collect_strays(surfels, all, grid, tile);
-    }
-    const std::span<const CodeIndex> order = entries_in(all, tile);
-
-    // Cuts between leaves, then between the strays at the same codes.
-    std::vector<std::size_t> cuts{0};
-    while (cuts.back() < order.size()) {
-        std::size_t cut = std::min(order.size(), cuts.back() + kBlock);
-        while (cut < order.size() && code_at_level(order[cut].code, grid.depth) ==
-                                         code_at_level(order[cut - 1].code, grid.depth)) {
-            ++cut;
-        }
-        cuts.push_back(cut);
-    }
-    if (order.empty()) cuts.push_back(0);  // a tile may have nothing but strays
-    std::vector<std::size_t> stray_cuts(cuts.size(), strays.size());
-    stray_cuts[0] = 0;
-    for (std::size_t c = 1; c + 1 < cuts.size(); ++c) {
-        const std::uint64_t code = code_at_level(order[cuts[c]].code, grid.depth);
-        stray_cuts[c] = static_cast<std::size_t>(
-            std::lower_bound(strays.begin(), strays.end(), code,
-                             [](const CodeIndex& e, std::uint64_t v) { return e.code < v; }) -
-            strays.begin());
-    }
-
-    std::vector<Leaves> parts(cuts.size() - 1);
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t b) {
-        parts[b] = sweep(
-            surfels, order.subspan(cuts[b], cuts[b + 1] - cuts[b]),
-            std::span(strays).subspan(stray_cuts[b], stray_cuts[b + 1] - stray_cuts[b]), grid);
+Leaves voxelize(std::span<const Surfel> surfels, std::span<const CodeIndex> order, const Grid& grid,
+                const OctreeCell& tile) {
+    // 1. Where discs reach into other leaves than their own.
+    const std::vector<Block> blocks = cut_into_blocks(order, entries_in(order, tile), grid);
+    std::vector<PieceSet> own(order.size());
+    std::vector<Strays> strays(blocks.size());
+    tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
+        strays[b] = cut_discs(surfels, blocks[b], grid, tile, own);
     });
+    const std::vector<CodeIndex> far = gather_far(strays);
 
-    Leaves leaves;
-    std::size_t leaf_total = 0, lobe_total = 0;
-    for (const Leaves& part : parts) {
-        leaf_total += part.codes.size();
-        lobe_total += part.lobes.size();
-    }
-    leaves.codes.reserve(leaf_total);
-    leaves.lobe_counts.reserve(leaf_total);
-    leaves.lobes.reserve(lobe_total);
-    for (Leaves& part : parts) {
-        append(leaves.codes, part.codes);
-        append(leaves.lobe_counts, part.lobe_counts);
-        append(leaves.lobes, part.lobes);
-    }
-    return leaves;
+    // 2. Leaf by leaf, what lies in it.
+    std::vector<Leaves> parts(blocks.size());
+    tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
+        const Block& block = blocks[b];
+        if (!block.has_leaves()) return;
+        parts[b] = sweep(surfels, order, block, grid, own, StrayQueue(strays[b].near),
+                         StrayQueue(run_of(far, block.first_code, block.past_code)));
+        strays[b] = {};
+    });
+    return joined(parts);
 }
 
 }  // namespace glowworm

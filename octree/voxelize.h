@@ -18,12 +18,11 @@ struct Leaves {
     std::vector<Lobe> lobes;
 };
 
-/// Splats surfels into the leaves of `tile`. `order`: the surfels' codes at level 21, sorted;
-/// `index` points into `surfels`, all of which are finite with positive radius at most
-/// `largest_radius` (m). Sums run in that order, so the result depends on nothing else; surfels
-/// outside the tile give it the pieces of their discs that reach into it.
+/// Splats surfels into the leaves of `tile`. `surfels`: finite, with positive radius, in the order
+/// of `order`, their codes at level 21, ascending. Sums run in that order, so the result depends on
+/// nothing else; surfels outside the tile give it the pieces of their discs that reach into it.
 Leaves voxelize(std::span<const Surfel> surfels, std::span<const CodeIndex> order, const Grid& grid,
-                double largest_radius, const OctreeCell& tile = {});
+                const OctreeCell& tile = {});
 
 /// The entries of `order` that lie in `tile`.
 std::span<const CodeIndex> entries_in(std::span<const CodeIndex> order, const OctreeCell& tile);

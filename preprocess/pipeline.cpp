@@ -145,7 +145,7 @@ class Stages {
         SurfelCloud cloud = surfels();
         add_area_lights(cloud, settings_.area_lights);
         const Progress building = begin_("build", "surfels");
-        const Octree octree = build_octree(cloud, settings_.build, building);
+        const Octree octree = build_octree(std::move(cloud), settings_.build, building);
         // In between there is an octree that nothing vouches for.
         std::filesystem::remove(work_.part("built"));
         write_octree_file(octree.view(), file,

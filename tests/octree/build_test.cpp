@@ -56,15 +56,15 @@ struct Totals {
 std::map<Cell, Totals> naive_totals(const SurfelCloud& cloud, const Grid& grid,
                                     std::uint32_t level) {
     std::map<Cell, Totals> cells;
-    const Vec3d lower = vec3_cast<double>(grid.cube_min);
-    const Vec3d upper = lower + Vec3d{1, 1, 1} * static_cast<double>(grid.cube_edge);
+    const LeafGrid leaves(grid);
     for (const Surfel& s : cloud.surfels) {
-        const Splat splat = splat_of(s, grid.voxel_size());
+        const Splat splat = splat_of(s.radius / grid.voxel_size());
+        const Disc disc(s, leaves);
         for (std::uint32_t piece = 0; piece < splat.pieces; ++piece) {
-            const Vec3d p =
-                component_max(lower, component_min(upper, piece_position(s, splat, piece)));
+            const Vec3d p = vec3_cast<double>(grid.cube_min) +
+                            disc.at(piece) * static_cast<double>(grid.voxel_size());
             Totals& cell = cells[cell_of(p, grid, level)];
-            const double area = splat.area / splat.pieces;
+            const double area = std::numbers::pi * s.radius * s.radius / splat.pieces;
             cell.area += area;
             cell.ndf += vec3_cast<double>(s.normal) * (area * s.ndf_length);
             cell.albedo += vec3_cast<double>(s.albedo) * area;
