@@ -1,6 +1,7 @@
 #include "viewer/app/console.h"
 
 #include <fmt/format.h>
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "octree/error.h"
 
@@ -28,7 +30,25 @@ std::string duration_text(double seconds) {
     return fmt::format("{} h {:02} min", s / 3600, s / 60 % 60);
 }
 
+/// A message as a JSON string.
+class JsonText : public spdlog::custom_flag_formatter {
+  public:
+    void format(const spdlog::details::log_msg& message, const std::tm&,
+                spdlog::memory_buf_t& out) override {
+        const std::string text = json_text({message.payload.data(), message.payload.size()});
+        out.append(text.data(), text.data() + text.size());
+    }
+    std::unique_ptr<custom_flag_formatter> clone() const override {
+        return std::make_unique<JsonText>();
+    }
+};
+
 }  // namespace
+
+std::string json_text(std::string_view text) {
+    return nlohmann::json(std::string(text))
+        .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
 
 void install_cancel_handlers() {
     struct sigaction action = {};
@@ -104,7 +124,8 @@ void Console::show(std::uint64_t done, std::uint64_t total, bool ended) {
     std::fflush(stderr);
 }
 
-void set_up_logging(bool quiet, bool verbose, const std::filesystem::path& file) {
+void set_up_logging(Console::Mode mode, bool quiet, bool verbose,
+                    const std::filesystem::path& file) {
     std::vector<spdlog::sink_ptr> sinks{std::make_shared<spdlog::sinks::stderr_color_sink_st>()};
     if (!file.empty()) {
         try {
@@ -116,6 +137,11 @@ void set_up_logging(bool quiet, bool verbose, const std::filesystem::path& file)
     }
     auto logger = std::make_shared<spdlog::logger>("glowworm-view", sinks.begin(), sinks.end());
     logger->set_pattern("%^%l%$: %v");
+    if (mode == Console::Mode::kJson) {
+        auto lines = std::make_unique<spdlog::pattern_formatter>();
+        lines->add_flag<JsonText>('*').set_pattern(R"({"log":"%l","sentence":%*})");
+        sinks.front()->set_formatter(std::move(lines));
+    }
     logger->set_level(quiet     ? spdlog::level::err
                       : verbose ? spdlog::level::debug
                                 : spdlog::level::info);

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "octree/progress.h"
 
@@ -41,8 +42,13 @@ void install_cancel_handlers();
 /// Whether they have asked.
 bool cancel_requested();
 
-/// Logs to stderr and, where it is not empty, to `file`. Throws Error (kUnreadable) where that
-/// cannot be written.
-void set_up_logging(bool quiet, bool verbose, const std::filesystem::path& file);
+/// Logs to stderr and, where it is not empty, to `file`. In the mode kJson what goes to stderr are
+/// objects {"log":LEVEL,"sentence":TEXT}, a line each like the progress between them. Throws Error
+/// (kUnreadable) where the file cannot be written.
+void set_up_logging(Console::Mode mode, bool quiet, bool verbose,
+                    const std::filesystem::path& file);
+
+/// Text as a JSON string, its quotes included; what is not UTF-8 is replaced.
+std::string json_text(std::string_view text);
 
 }  // namespace glowworm

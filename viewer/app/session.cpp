@@ -163,11 +163,6 @@ void Session::moved() {
 bool Session::draw_frame() {
     const WindowExtent extent = window_.framebuffer();
     if (extent.width == 0 || extent.height == 0) return false;  // minimised
-    if (extent != paced_extent_) {
-        pace_ = {};  // what was learnt holds for other pixels
-        paced_extent_ = extent;
-        stale_ = true;
-    }
     const int divisor = pace_.divisor(resting_seconds() < kRestSeconds);
     stale_ = stale_ || (sharpening_.active() && sharpened_as_ != look());
     if (!stale_ && divisor >= state_.divisor) return sharpen(extent);
@@ -187,8 +182,8 @@ bool Session::draw_frame() {
     pace_.drawn(divisor, seconds);
     drawn_ = view;
     stale_ = false;
-    const auto luminances = display_.luminances(frame_.beauty(), view.width, view.height);
-    if (!luminances.empty()) wanted_exposure_ = measured_exposure(luminances);
+    wanted_exposure_ =
+        measured_exposure(display_.luminances(frame_.beauty(), view.width, view.height));
 
     state_.frame_ms = seconds * 1e3;
     state_.divisor = divisor;
