@@ -45,13 +45,33 @@ struct Registration {
     bool trustworthy() const { return unregistered == 0 && loose.empty(); }
 };
 
+struct PairFit;
+
+/// Which pairs registration would try from nothing, so that they can be tried one by one and
+/// elsewhere.
+struct PairPlan {
+    double voxel_size = 0;                                   ///< m, for all pairs
+    bool all_seen = false;                                   ///< every scan has a viewpoint
+    std::vector<std::pair<std::size_t, std::size_t>> pairs;  ///< target, source
+};
+
+/// Throws as align_scans.
+PairPlan plan_pairs(std::span<const Scan> scans, const RegistrationSettings& settings,
+                    const Progress& progress = {});
+
+/// Tries some of the plan's pairs. Scans that none of them names may be empty.
+std::vector<PairFit> try_pairs(std::span<const Scan> scans, const RegistrationSettings& settings,
+                               const PairPlan& plan,
+                               std::span<const std::pair<std::size_t, std::size_t>> pairs,
+                               const Progress& progress = {});
+
 /// Finds the pose of every scan. The world frame is that of the scans' given poses, else the
 /// frame of the reference scan, so that a levelled scanner's Z stays up. Scans that cannot be
 /// placed stay kUnregistered. One scan alone is its own reference. Same input, same result on any
-/// number of threads. Throws Error kDegenerate where there is no scan or one has no points, kUsage
-/// for settings out of range.
+/// number of threads. Pairs that were `tried` are not tried again. Throws Error kDegenerate where
+/// there is no scan or one has no points, kUsage for settings out of range.
 Registration align_scans(std::span<const Scan> scans, const RegistrationSettings& settings,
-                         const Progress& progress = {});
+                         const Progress& progress = {}, std::span<const PairFit> tried = {});
 
 /// The trust report as a table for people: a line per scan, a line per accepted pair. "-" where
 /// nothing was measured: a scan without pairs, a misclosure where no loop closes.
