@@ -28,6 +28,11 @@ void require_writable_output(const std::filesystem::path& path, bool force) {
     std::error_code ignored;
     const std::string name = "the output '" + path.string() + "'";
     if (path.empty()) throw Error(ExitCode::kUsage, "the output has no name; give one");
+    if (path == "-") {
+        throw Error(ExitCode::kUsage,
+                    "'-' is no output: standard output carries the results of --json only; name a "
+                    "file (./- for one of that name)");
+    }
     if (is_of_the_system(path)) {
         throw Error(ExitCode::kUsage, name + " is no regular file; name a file");
     }
