@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "octree/error.h"
+#include "preprocess/command/command.h"
 #include "preprocess/command/octree_info.h"
 #include "preprocess/read/registry.h"
 

@@ -1,11 +1,13 @@
 #pragma once
 
-#include <xxhash.h>
-
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <type_traits>
+
+struct XXH3_state_s;
 
 namespace glowworm {
 
@@ -13,12 +15,9 @@ namespace glowworm {
 /// that ("ab", "c") and ("a", "bc") differ.
 class Hash {
   public:
-    Hash() { XXH3_128bits_reset(state_.get()); }
+    Hash();
 
-    Hash& bytes(const void* data, std::size_t size) {
-        XXH3_128bits_update(state_.get(), data, size);
-        return *this;
-    }
+    Hash& bytes(const void* data, std::size_t size);
     Hash& add(std::string_view text) {
         const std::uint64_t size = text.size();
         return bytes(&size, sizeof(size)).bytes(text.data(), text.size());
@@ -33,9 +32,9 @@ class Hash {
 
   private:
     struct Free {
-        void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
+        void operator()(XXH3_state_s* state) const;
     };
-    std::unique_ptr<XXH3_state_t, Free> state_{XXH3_createState()};
+    std::unique_ptr<XXH3_state_s, Free> state_;
 };
 
 }  // namespace glowworm
