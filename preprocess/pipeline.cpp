@@ -1,6 +1,7 @@
 #include "preprocess/pipeline.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +14,8 @@
 #include "preprocess/pipeline/checkpoint.h"
 #include "preprocess/pipeline/ingest.h"
 #include "preprocess/pipeline/keys.h"
+#include "preprocess/pipeline/shares.h"
+#include "preprocess/register/pairwise.h"
 
 namespace glowworm {
 namespace {
@@ -74,6 +77,11 @@ bool is_sound(const std::filesystem::path& path) {
     }
 }
 
+/// At the end of its scope what was freed goes back to the system, which else counts it as used.
+struct GiveBackMemory {
+    ~GiveBackMemory() { ::malloc_trim(0); }
+};
+
 /// Each stage takes what it kept, else makes it of what the stage before has, and keeps it.
 class Stages {
   public:
@@ -102,7 +110,8 @@ class Stages {
             done.registration = std::move(kept.registration);
         } else {
             done.registration =
-                align_scans(scans, settings_.registration, begin_("register", "pairs"));
+                align_scans(scans, settings_.registration, begin_("register", "pairs"),
+                            tried_pairs(work_, keys_.registration));
             save_report(work_, "registration", keys_.registration, done);
         }
         registered_(done.registration);
@@ -110,6 +119,7 @@ class Stages {
     }
 
     PointCloud cloud() {
+        const GiveBackMemory afterwards;
         PointCloud cloud;
         if (load_cloud(work_, keys_.cloud, done, cloud)) {
             registered_(done.registration);
@@ -124,6 +134,7 @@ class Stages {
     }
 
     SurfelCloud surfels() {
+        const GiveBackMemory afterwards;
         SurfelCloud surfels;
         if (load_surfels(work_, keys_.surfels, done, surfels)) {
             registered_(done.registration);
@@ -142,20 +153,28 @@ class Stages {
             registered_(done.registration);
             return;
         }
-        SurfelCloud cloud = surfels();
-        add_area_lights(cloud, settings_.area_lights);
-        const Progress building = begin_("build", "surfels");
-        const Octree octree = build_octree(std::move(cloud), settings_.build, building);
         // In between there is an octree that nothing vouches for.
         std::filesystem::remove(work_.part("built"));
-        write_octree_file(octree.view(), file,
-                          {.progress = all_done(building, octree.sample_count)});
+        if (join_tiles(work_, keys_.octree, settings_.build.provenance, file, begin_, done)) {
+            registered_(done.registration);
+        } else {
+            build(file);
+        }
         save_report(work_, "built", keys_.octree, done);
     }
 
     Conversion done;
 
   private:
+    void build(const std::filesystem::path& file) {
+        SurfelCloud cloud = surfels();
+        add_area_lights(cloud, settings_.area_lights);
+        const Progress building = begin_("build", "surfels");
+        const Octree octree = build_octree(std::move(cloud), settings_.build, building);
+        write_octree_file(octree.view(), file,
+                          {.progress = all_done(building, octree.sample_count)});
+    }
+
     std::span<const ScanInput> inputs_;
     const ConvertSettings& settings_;
     const Phases& begin_;

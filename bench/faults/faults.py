@@ -5,7 +5,7 @@
 
 After each fault the same command runs again undisturbed, with --resume: its output must be the bytes of a run that was
 never disturbed, and no other file may be left. Full size: every call is broken; --small: a sample of them (a ctest).
-Cases: kill, full, unreadable, tiny-disk, memory, race, cancel, finished. Those that this machine does not allow (no
+Cases: kill, full, unreadable, cancel, tiny-disk, file-limit, memory, race, finished, stages. Those that this machine does not allow (no
 strace, no tmpfs) are skipped with a sentence. Ends with 1 where anything was not as promised.
 """
 import argparse
@@ -165,6 +165,16 @@ class Bench:
         finally:
             subprocess.run(["umount", disk], check=True)
 
+    def file_limit(self):
+        """A file that may not grow beyond the user's limit is a full disk, not a signal."""
+        for size in [4096, 20000] if self.small else range(1000, 200000, 8000):
+            self.output = self.fresh()
+            run = self.convert(preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)))
+            self.counts["ulimit -f"] += 1
+            self.must_say(run, [0, 6], f"ulimit -f of {size} bytes")
+            self.must_be_whole(f"ulimit -f of {size} bytes")
+            self.must_recover(f"ulimit -f of {size} bytes")
+
     def memory(self):
         sizes = [1000, 400, 250, 200, 150, 120] if self.small else [1000, 600, *range(400, 90, -10)]
         for megabytes in sizes:
@@ -220,6 +230,44 @@ class Bench:
             file.write(kept)
         self.counts["finished runs"] += 3
 
+    def stages(self):
+        """The same for each stage as a command of its own."""
+        folder = os.path.dirname(self.fresh())
+        at = lambda name: os.path.join(folder, name)
+        poses = os.path.join(self.folder, "poses.json")
+        cells = [f"r{octant}" for octant in range(8)]
+        commands = [
+            ["register", *self.scans, "--poses", poses, "--poses", "trust", "-o", at("poses.json")],
+            ["merge", *self.scans, "--poses", at("poses.json"), "-o", at("cloud.ply")],
+            ["surface", at("cloud.ply"), "-o", at("surfels.ply")],
+            ["build", at("surfels.ply"), "--depth", "5", "-o", at("whole.svo")],
+            *(["build", at("surfels.ply"), "--grid", at("whole.svo"), "--tile", cell, "-o", at(cell + ".svo")]
+              for cell in cells),
+            ["join", *(at(cell + ".svo") for cell in cells), "-o", at("joined.svo")]]
+        run = lambda words, *more: subprocess.run([self.program, *words, *more], capture_output=True, timeout=300)
+        for words in commands:
+            what = words[0] + " -o " + os.path.basename(words[-1])
+            if run(words).returncode != 0:
+                self.fail(f"{what} ended with {run(words, '--force').returncode}")
+                continue
+            before = os.stat(words[-1])
+            if run(words).returncode != 7:
+                self.fail(f"{what}: a finished output was overwritten without --force")
+            again = run(words, "--resume")
+            if again.returncode != 0 or os.stat(words[-1]).st_mtime_ns != before.st_mtime_ns:
+                self.fail(f"{what}: --resume worked on a finished output again: {again.stderr.decode().strip()}")
+            if run(words, "--resume", "--no-crc" if words[0] != "join" else "--verbose").returncode != \
+                    (7 if words[0] != "join" else 0):
+                self.fail(f"{what}: --resume did not tell other flags apart")
+            self.counts["finished stages"] += 3
+        with open(at("whole.svo"), "rb") as whole, open(at("joined.svo"), "rb") as joined:
+            if whole.read() != joined.read():
+                self.fail("tiles joined to other bytes")
+        with open(at("surfels.ply"), "ab") as file:
+            file.write(b"\n")
+        if run(commands[3], "--resume").returncode != 7:
+            self.fail("build --resume took an output for finished although its input changed")
+
 
 def main():
     parser = argparse.ArgumentParser()
@@ -229,7 +277,8 @@ def main():
     arguments = parser.parse_intermixed_args()
     bench = Bench(arguments.program, arguments.small)
     traced = {"kill": bench.kill, "full": bench.full, "unreadable": bench.unreadable, "cancel": bench.cancel}
-    others = {"tiny-disk": bench.tiny_disk, "memory": bench.memory, "race": bench.race, "finished": bench.finished}
+    others = {"tiny-disk": bench.tiny_disk, "file-limit": bench.file_limit, "memory": bench.memory, "race": bench.race,
+              "finished": bench.finished, "stages": bench.stages}
     traceable = shutil.which("strace") and subprocess.run(["strace", "-o", "/dev/null", "true"],
                                                          capture_output=True).returncode == 0
     try:

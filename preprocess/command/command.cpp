@@ -6,9 +6,35 @@
 #include "octree/checksums.h"
 #include "octree/error.h"
 #include "octree/structure.h"
+#include "preprocess/command/finished.h"
 #include "preprocess/command/memory_limit.h"
 
 namespace glowworm {
+
+namespace {
+
+/// `work`, and what came of it is remembered; with --resume it is not done where it is remembered.
+Work unless_made(const CLI::App& command, Work work) {
+    return [&command, work = std::move(work)](Run& run) -> nlohmann::ordered_json {
+        const std::filesystem::path& output = run.flags.output;
+        const Origin origin(command);
+        if (run.flags.resume && origin.made(output)) {
+            run.last_word = fmt::format("'{}' is up to date", output.string());
+            return {{"output", output.string()}, {"up_to_date", true}};
+        }
+        if (!run.flags.force && std::filesystem::exists(output)) {
+            throw Error(ExitCode::kExists,
+                        fmt::format("nothing says that '{}' was made of these inputs with these "
+                                    "settings; --force makes it anew",
+                                    output.string()));
+        }
+        nlohmann::ordered_json result = work(run);
+        origin.remember(output);
+        return result;
+    };
+}
+
+}  // namespace
 
 CLI::App* Program::add(const std::string& name, const std::string& summary, bool needs_output,
                        Work work, Work plan, bool resumable) {
@@ -42,8 +68,8 @@ CLI::App* Program::add(const std::string& name, const std::string& summary, bool
             return {{"output", run.flags.output.string()}, {"dry_run", true}};
         };
     }
-    command->final_callback([this, resumable, work = std::move(work), plan = std::move(plan)] {
-        flags.resumable = resumable;
+    if (needs_output && !resumable) work = unless_made(*command, std::move(work));
+    command->final_callback([this, work = std::move(work), plan = std::move(plan)] {
         selected = flags.dry_run && plan ? plan : work;
     });
     return command;

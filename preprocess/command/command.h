@@ -27,7 +27,6 @@ struct SharedFlags {
     std::filesystem::path temp_dir;  ///< for what is kept while it works; empty: beside the output
     bool dry_run = false;            ///< predict and warn, write nothing
     bool resume = false;             ///< go on from what an earlier run left, also where it is done
-    bool resumable = false;          ///< the command itself decides what an existing output means
 };
 
 /// What a subcommand's work is given: the shared flags and the console to talk through.
@@ -44,7 +43,8 @@ using Work = std::function<nlohmann::ordered_json(Run&)>;
 /// Adds `name` with the shared flags to `app`; `selected` receives the work when the user asks for
 /// it, or `plan` where the user asks with --dry-run: it predicts and warns, and writes nothing. A
 /// command that writes no file needs no plan: its work is done. Where `needs_output` is set, -o is
-/// required; a `resumable` command is begun with --resume although its output is there.
+/// required, and with --resume an output that the same command made of the same files is left as it
+/// is; a `resumable` command decides that itself.
 struct Program {
     CLI::App& app;
     SharedFlags& flags;
@@ -57,6 +57,7 @@ struct Program {
 /// One file per subcommand defines each of these.
 void add_convert_command(Program& program);
 void add_ingest_command(Program& program);
+void add_job_commands(Program& program);
 void add_register_command(Program& program);
 void add_merge_command(Program& program);
 void add_surface_command(Program& program);

@@ -1,9 +1,12 @@
 #include "preprocess/command/config_file.h"
 
 #include <fmt/format.h>
-
 #include <toml++/toml.h>
+
+#include <CLI/CLI.hpp>
 #include <sstream>
+#include <string>
+#include <vector>
 
 namespace glowworm {
 namespace {
@@ -47,7 +50,14 @@ void add_flags(const toml::table& table, const CLI::App& command,
     }
 }
 
-}  // namespace
+class ConfigFile : public CLI::ConfigTOML {
+  public:
+    explicit ConfigFile(CLI::App& app) : app_(app) {}
+    std::vector<CLI::ConfigItem> from_config(std::istream& input) const override;
+
+  private:
+    CLI::App& app_;
+};
 
 std::vector<CLI::ConfigItem> ConfigFile::from_config(std::istream& input) const {
     toml::table table;
@@ -74,6 +84,12 @@ std::vector<CLI::ConfigItem> ConfigFile::from_config(std::istream& input) const 
     if (const toml::table* own = table[name].as_table()) add_flags(*own, *selected.front(), flags);
     add_flags(table, *selected.front(), flags);
     return flags;
+}
+
+}  // namespace
+
+std::shared_ptr<CLI::Config> config_file(CLI::App& app) {
+    return std::make_shared<ConfigFile>(app);
 }
 
 }  // namespace glowworm

@@ -162,7 +162,8 @@ Json work_on(Run& run, const ConvertFlags& flags, std::span<const ScanInput> inp
     say_octree(OctreeFile::open(octree_part(work)).view());
     write_output(work, done.registration.poses, flags.settings.links, run, phases);
     if (!flags.report.empty()) {
-        write_run_page(flags.report, output, done, inputs, flags.settings, work, phases.times());
+        write_run_page(flags.report, output, done, inputs, flags.settings, work, phases.times(),
+                       run.console);
         spdlog::info("what there is to see at a glance is in {}", flags.report.string());
     }
     spdlog::info("the poses and how far to trust them are in {}", poses.string());
@@ -200,31 +201,28 @@ Json run_convert(Run& run, ConvertFlags flags) {
     const std::string state = state_of(read, settings + GLOWWORM_VERSION);
     const bool may_be_done = run.flags.resume && flags.until == "links" && fs::exists(output) &&
                              fs::exists(poses_of(output));
-    if (may_be_done && !state.empty() && remembered_state(output) == state) {
+    const bool lacks_page = !flags.report.empty() && !fs::exists(flags.report);
+    if (may_be_done && !lacks_page && remembers(output, Record::kState, state))
         return nothing_to_do(run);
-    }
-    Workload announced = announced_work(files, flags.settings.read);
-    announced.links = flags.settings.links;
-    require_budget(run.flags, predict(announced, thread_count(run.flags)), Reach::kAll);
+    require_budget(run, files, flags.settings, Reach::kAll);
     const std::vector<ScanInput> inputs = describe_scans(files);
-    std::vector<InputFile> contents;
-    for (const ScanInput& input : inputs)
-        contents.push_back(input.content);
-    flags.settings.build = flags.build.settings("convert", contents, settings);
+    flags.apply_provenance(inputs);
 
     // 2. Alone from here on.
     const WorkFolder work(output, run.flags.temp_dir);
-    if (may_be_done && provenance_of(output) == flags.settings.build.provenance) {
+    const bool made = may_be_done && provenance_of(output) == flags.settings.build.provenance;
+    if (made && !lacks_page) {
         work.remove();
-        remember_state(output, state);
+        remember_as(output, Record::kState, state);
         return nothing_to_do(run);
     }
-    require_free(run.flags, work);
+    if (!made) require_free(run.flags, work);
     try {
         const Json result = work_on(run, flags, inputs, work);
         if (flags.until != "links") return result;
         work.remove();
-        if (state_of(read, settings + GLOWWORM_VERSION) == state) remember_state(output, state);
+        if (state_of(read, settings + GLOWWORM_VERSION) == state)
+            remember_as(output, Record::kState, state);
         return result;
     } catch (const Error& error) {
         say_what_is_kept(error, work);
@@ -242,8 +240,8 @@ void add_convert_command(Program& program) {
     auto flags = std::make_shared<ConvertFlags>();
     const Work work = [flags](Run& run) { return run_convert(run, *flags); };
     const Work plan = [flags](Run& run) {
-        return plan_work(run, find_scan_files(flags->inputs), flags->settings.read, flags->build,
-                         Reach::kAll);
+        flags->apply();
+        return plan_work(run, find_scan_files(flags->inputs), flags->settings, Reach::kAll);
     };
     CLI::App* command =
         program.add("convert", "raw scans to an octree file, the whole pipeline in one command",

@@ -23,6 +23,13 @@ void ConvertFlags::apply() {
     settings.links = build.links;
 }
 
+void ConvertFlags::apply_provenance(std::span<const ScanInput> scans) {
+    std::vector<InputFile> contents;
+    for (const ScanInput& scan : scans)
+        contents.push_back(scan.content);
+    settings.build = build.settings("convert", contents, settings_hash(settings));
+}
+
 Stage ConvertFlags::last_stage() const {
     if (until == "ingest") return Stage::kIngest;
     if (until == "register") return Stage::kRegister;

@@ -24,6 +24,9 @@ struct ConvertFlags {
     /// Brings what the flags say into `settings`, provenance excepted.
     void apply();
 
+    /// Brings into `settings` what the file will say it was made from. To be called after apply.
+    void apply_provenance(std::span<const ScanInput> scans);
+
     /// The stage named by `until`; kBuild as well where everything is to be done.
     Stage last_stage() const;
 };

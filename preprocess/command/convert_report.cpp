@@ -1,30 +1,21 @@
 #include "preprocess/command/convert_report.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
-#include <chrono>
 #include <fstream>
 #include <iterator>
-#include <thread>
 
 #include "octree/atomic_file.h"
 #include "octree/statistics.h"
 #include "preprocess/command/command.h"
+#include "preprocess/command/first_frame.h"
 #include "preprocess/pipeline/checkpoint.h"
 #include "preprocess/register/plan_view.h"
-
-extern char** environ;
 
 namespace glowworm {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr auto kLongestDrawing = std::chrono::minutes(5);
 
 std::string content_of(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
@@ -44,51 +35,6 @@ std::string draw_plan(const Conversion& done, std::span<const ScanInput> inputs,
     const fs::path file = work.part("plan");
     write_plan_view(scans, done.registration.poses, file);
     return content_of(file);
-}
-
-/// Runs a program with nothing to say and waits for it; whether it ended well and in time.
-bool run_silently(std::vector<std::string> words) {
-    std::vector<char*> argv;
-    for (std::string& word : words)
-        argv.push_back(word.data());
-    argv.push_back(nullptr);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    for (const int stream : {0, 1, 2})
-        posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_RDWR, 0);
-    pid_t child = 0;
-    const int failed =
-        ::posix_spawn(&child, words[0].c_str(), &actions, nullptr, argv.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (failed != 0) return false;
-    const auto latest = std::chrono::steady_clock::now() + kLongestDrawing;
-    int status = 0;
-    while (::waitpid(child, &status, WNOHANG) == 0) {
-        if (std::chrono::steady_clock::now() > latest) ::kill(child, SIGKILL);
-        std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
-}
-
-std::string draw_frame(const fs::path& octree, const WorkFolder& work, std::string& why_not) {
-    std::error_code failed;
-    const fs::path viewer =
-        fs::read_symlink("/proc/self/exe", failed).replace_filename("glowworm-view");
-    if (!fs::exists(viewer, failed)) {
-        why_not = "glowworm-view is not beside glowworm, so there is no frame.";
-        return {};
-    }
-    const fs::path file = work.part("frame").string() + ".png";
-    const bool drawn =
-        run_silently({viewer.string(), "--headless", "--size", "960x540", "--bounces", "4",
-                      "--force", "-o", file.string(), "--", octree.string()});
-    const std::string png = drawn ? content_of(file) : std::string();
-    fs::remove(file, failed);
-    if (png.empty()) {
-        why_not = fmt::format("glowworm-view could not draw here; try `glowworm-view {}`.",
-                              octree.string());
-    }
-    return png;
 }
 
 Rows level_rows(const OctreeStatistics& s) {
@@ -123,7 +69,7 @@ Rows fact_rows(const Conversion& done, const OctreeStatistics& s) {
 
 void write_run_page(const fs::path& page, const fs::path& octree, const Conversion& done,
                     std::span<const ScanInput> inputs, const ConvertSettings& settings,
-                    const WorkFolder& work, std::span<const PhaseTime> timings) {
+                    const WorkFolder& work, std::span<const PhaseTime> timings, Console& console) {
     const OctreeFile file = OctreeFile::open(octree);
     const OctreeStatistics statistics = measure_octree(file.view(), file.bytes());
     RunPage content;
@@ -134,7 +80,9 @@ void write_run_page(const fs::path& page, const fs::path& octree, const Conversi
     content.levels = level_rows(statistics);
     content.timings.assign(timings.begin(), timings.end());
     content.plan_png = draw_plan(done, inputs, settings, work);
-    content.frame_png = draw_frame(octree, work, content.no_frame);
+    FirstFrame frame = draw_first_frame(octree, work.part("frame").string() + ".png", console);
+    content.frame_png = std::move(frame.png);
+    content.no_frame = std::move(frame.why_not);
     AtomicFile html(page);
     html.write(format_page(content));
     html.commit();

@@ -49,7 +49,7 @@ int run(int argc, char** argv) {
     CLI::App app{"Turns raw LiDAR scans of caves into lit, walkable octrees.", "glowworm"};
     app.set_version_flag("--version", "glowworm " GLOWWORM_VERSION);
     app.set_config("--config", "", "read flags from this TOML file; the command line wins");
-    app.config_formatter(std::make_shared<ConfigFile>(app));
+    app.config_formatter(config_file(app));
     app.require_subcommand(1);
 
     SharedFlags flags;
@@ -57,6 +57,7 @@ int run(int argc, char** argv) {
     Program program{app, flags, selected};
     add_convert_command(program);
     add_ingest_command(program);
+    add_job_commands(program);
     add_register_command(program);
     add_merge_command(program);
     add_surface_command(program);
@@ -80,7 +81,7 @@ int run(int argc, char** argv) {
     }
 
     if (!flags.output.empty()) {
-        const bool may_exist = flags.force || (flags.resume && flags.resumable);
+        const bool may_exist = flags.force || flags.resume;
         require_writable_output(flags.output, may_exist);
         if (!flags.dry_run) remove_abandoned(flags.output);
     }

@@ -17,6 +17,13 @@ struct MergeFlags {
     ConvertSettings settings;
 };
 
+/// The settings of a conversion that starts from these poses.
+ConvertSettings with_poses(ConvertSettings settings, const Poses& poses) {
+    settings.registration.mode = PriorMode::kTrust;
+    settings.registration.prior = poses;
+    return settings;
+}
+
 nlohmann::ordered_json run_merge(Run& run, const MergeFlags& flags) {
     const auto files = find_scan_files(flags.inputs);
     const std::filesystem::path& output = run.flags.output;
@@ -24,9 +31,7 @@ nlohmann::ordered_json run_merge(Run& run, const MergeFlags& flags) {
     require_distinct(output, {flags.poses});
     check_cloud_extension(output);
     const Poses poses = read_poses(flags.poses);
-    require_budget(run.flags,
-                   predict(announced_work(files, flags.settings.read), thread_count(run.flags)),
-                   Reach::kMerge);
+    require_budget(run, files, with_poses(flags.settings, poses), Reach::kMerge);
 
     const auto begin = [&](const std::string& phase, const std::string& unit) {
         return run.console.phase(phase, unit);
@@ -66,8 +71,9 @@ void add_merge_command(Program& program) {
         "merge", "scans and their poses to one cloud in the world frame", true,
         [flags](Run& run) { return run_merge(run, *flags); },
         [flags](Run& run) {
-            return plan_work(run, find_scan_files(flags->inputs), flags->settings.read, {},
-                             Reach::kMerge);
+            check_cloud_extension(run.flags.output);
+            return plan_work(run, find_scan_files(flags->inputs),
+                             with_poses(flags->settings, read_poses(flags->poses)), Reach::kMerge);
         });
     command->add_option("scans", flags->inputs, "scan files or folders of them")->required();
     command->add_option("--poses", flags->poses, "poses.json of the scans")->required();

@@ -4,49 +4,55 @@
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
 #include <tbb/info.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <utility>
 
 #include "octree/error.h"
-#include "preprocess/read/describe.h"
+#include "preprocess/command/stage_flags.h"
+#include "preprocess/read/preflight.h"
 
 namespace glowworm {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 
-// Scans without poses: how much farther each one reaches than those before it.
-constexpr double kReachPerScan = 0.02;
+constexpr double kPosesBytes = 2000.0;    // a scan's entry in poses.json, with its pairs
+constexpr double kCloudPointBytes = 4.0;  // of merge's PLY, on top of the scans' columns
+constexpr double kSurfelPlyBytes = 43.0;  // a row of surface's PLY
 
-std::uint64_t memory_of(const Prediction& p, Reach reach) {
+/// What a command of some reach takes.
+struct Needs {
+    std::uint64_t memory = 0, output = 0, work = 0;  ///< bytes
+    double processor_time = 0.0;                     ///< s
+};
+
+Needs needs_of(const Prediction& p, Reach reach) {
+    const auto bytes = [](double value) { return static_cast<std::uint64_t>(value); };
     switch (reach) {
+        case Reach::kRegister:
+            return {p.read_memory, bytes(kPosesBytes * double(p.work.scans)), 0,
+                    p.read_time + p.register_time};
         case Reach::kMerge:
-            return p.read_memory;
+            return {p.read_memory,
+                    bytes((p.work.bytes_a_point + kCloudPointBytes) * p.work.octree.surfels), 0,
+                    p.read_time + p.merge_time};
         case Reach::kSurface:
-            return p.surface_memory;
-        case Reach::kBuild:
-            return p.build_memory;
+            return {p.surface_memory, bytes(kSurfelPlyBytes * p.work.octree.surfels), 0,
+                    p.surface_time};
         case Reach::kAll:
-            return p.memory();
+            break;
     }
-    return p.memory();
+    return {p.memory(), p.output_bytes, p.work_bytes, p.processor_time()};
+}
+
+std::uint64_t at_least(std::uint64_t bytes, const Prediction& p) {
+    return static_cast<std::uint64_t>(double(bytes) * (1.0 - p.work.error));
 }
 
 fs::path folder_of(const fs::path& output) {
     return output.has_parent_path() ? output.parent_path() : fs::path(".");
-}
-
-void require_space(const fs::path& folder, std::uint64_t needed) {
-    std::error_code failed;
-    const fs::space_info space = fs::space(folder, failed);
-    if (failed || space.available >= needed) return;
-    throw Error(ExitCode::kBudget,
-                fmt::format("'{}' has {} left but {} are needed; free some or choose another place "
-                            "with -o or --temp-dir",
-                            folder.string(), format_bytes(space.available), format_bytes(needed)));
 }
 
 bool same_disk(const fs::path& a, const fs::path& b) {
@@ -55,40 +61,54 @@ bool same_disk(const fs::path& a, const fs::path& b) {
            first.st_dev == second.st_dev;
 }
 
-/// Longest side of the box round all scans: where their poses put them, else what one of them spans
-/// in the mean and some more for each other.
-double extent_of(std::span<const ScanDescription> scans) {
-    constexpr double kFar = std::numeric_limits<double>::infinity();
-    Eigen::AlignedBox3d box;
-    double sides = 0.0;
-    bool all_posed = true;
-    for (const ScanDescription& scan : scans) {
-        const Vec3d low = scan.facts.low, high = scan.facts.high;
-        const Vec3d size = high - low;
-        sides += std::max({size.x, size.y, size.z});
-        all_posed = all_posed && scan.header.T_world_scan.has_value();
-        for (int corner = 0; corner < 8 && all_posed; ++corner) {
-            box.extend(*scan.header.T_world_scan * Eigen::Vector3d(corner & 1 ? high.x : low.x,
-                                                                   corner & 2 ? high.y : low.y,
-                                                                   corner & 4 ? high.z : low.z));
-        }
-    }
-    const double posed = all_posed && !box.isEmpty() ? box.sizes().maxCoeff() : kFar;
-    if (posed < kFar) return posed;
-    const auto count = static_cast<double>(scans.size());
-    return sides / count * (1.0 + kReachPerScan * (count - 1.0));
+/// The folders that are written to, and how many bytes into each.
+std::vector<std::pair<fs::path, std::uint64_t>> writes(const SharedFlags& flags,
+                                                       const Needs& needs) {
+    const fs::path output = folder_of(flags.output);
+    const fs::path work = flags.temp_dir.empty() ? output : flags.temp_dir;
+    if (same_disk(output, work)) return {{output, needs.output + needs.work}};
+    return {{output, needs.output}, {work, needs.work}};
 }
 
-/// Median over the scans of their points' distances to the nearest one.
-double spacing_of(std::span<const ScanDescription> scans) {
-    std::vector<double> spacings;
-    for (const ScanDescription& scan : scans) {
-        if (scan.facts.spacing > 0.0) spacings.push_back(scan.facts.spacing);
+std::uint64_t space_left(const fs::path& folder) {
+    std::error_code failed;
+    const fs::space_info space = fs::space(folder, failed);
+    return failed ? UINT64_MAX : space.available;
+}
+
+/// Whether it fits even if it takes as much more as the prediction may be wrong.
+bool surely_fits(const SharedFlags& flags, const Prediction& p, const Needs& needs) {
+    const auto at_most = [&](std::uint64_t bytes) { return double(bytes) / (1.0 - p.work.error); };
+    if (flags.memory_limit > 0 && at_most(needs.memory) > double(flags.memory_limit)) return false;
+    return std::ranges::all_of(writes(flags, needs), [&](const auto& write) {
+        return at_most(write.second) <= double(space_left(write.first));
+    });
+}
+
+void print_plan(const Pilot& pilot, const Needs& needs, int threads, Reach reach) {
+    fmt::print("{} of {}\n", format_number_of(pilot.points, "point"),
+               format_number_of(pilot.facts.size(), "scan"));
+    if (pilot.placed < pilot.facts.size() && reach != Reach::kSurface) {
+        fmt::print("placed  {} of them for this prediction; what the others add is guessed\n",
+                   pilot.placed);
     }
-    if (spacings.empty()) return 0.0;
-    const auto middle = spacings.begin() + static_cast<std::ptrdiff_t>(spacings.size() / 2);
-    std::nth_element(spacings.begin(), middle, spacings.end());
-    return *middle;
+    if (reach == Reach::kAll) {
+        fmt::print("depth   {}, voxels of {:.2f} cm, about {} leaves\n", pilot.grid.depth,
+                   100.0 * pilot.grid.voxel_size(),
+                   format_count(static_cast<std::uint64_t>(pilot.octree.leaves)));
+    }
+    fmt::print("memory  {}\n", format_bytes(needs.memory));
+    fmt::print("disk    {} for the output, {} while it works\n", format_bytes(needs.output),
+               format_bytes(needs.work));
+    fmt::print("time    {:.0f} s on {}, {:.0f} s of processor time\n",
+               wall_time(needs.processor_time, threads),
+               format_number_of(static_cast<std::uint64_t>(threads), "thread"),
+               needs.processor_time);
+}
+
+Json stages_json(const Prediction& p) {
+    return {{"read", p.read_time},       {"register", p.register_time}, {"merge", p.merge_time},
+            {"surface", p.surface_time}, {"build", p.build_time},       {"links", p.link_time}};
 }
 
 }  // namespace
@@ -98,77 +118,67 @@ int thread_count(const SharedFlags& flags) {
 }
 
 void require_budget(const SharedFlags& flags, const Prediction& prediction, Reach reach) {
-    const std::uint64_t memory = memory_of(prediction, reach);
-    if (flags.memory_limit > 0 && memory > flags.memory_limit) {
+    const Needs needs = needs_of(prediction, reach);
+    if (flags.memory_limit > 0 && at_least(needs.memory, prediction) > flags.memory_limit) {
         throw Error(
             ExitCode::kBudget,
             fmt::format("about {} of memory are needed but --memory-limit is {}; give more, "
                         "use fewer scans or larger voxels",
-                        format_bytes(memory), format_bytes(flags.memory_limit)));
+                        format_bytes(needs.memory), format_bytes(flags.memory_limit)));
     }
-    const fs::path output = folder_of(flags.output);
-    const bool keeps = reach == Reach::kAll;
-    const fs::path work = flags.temp_dir.empty() ? output : flags.temp_dir;
-    const std::uint64_t work_bytes = keeps ? prediction.work_bytes : 0;
-    if (same_disk(output, work)) {
-        require_space(output, prediction.output_bytes + work_bytes);
-    } else {
-        require_space(output, prediction.output_bytes);
-        require_space(work, work_bytes);
+    for (const auto& [folder, bytes] : writes(flags, needs)) {
+        const std::uint64_t space = space_left(folder);
+        if (at_least(bytes, prediction) <= space) continue;
+        throw Error(ExitCode::kBudget,
+                    fmt::format("'{}' has {} left but about {} are needed; free some or choose "
+                                "another place with -o or --temp-dir",
+                                folder.string(), format_bytes(space), format_bytes(bytes)));
     }
 }
 
-nlohmann::ordered_json plan_work(Run& run, const std::vector<fs::path>& files,
-                                 const ReadSettings& read, const BuildFlags& build, Reach reach) {
-    const Progress progress = run.console.phase("look", "files");
-    std::vector<ScanDescription> scans;
-    std::vector<ScanFacts> facts;
-    std::uint64_t points = 0;
-    for (std::size_t i = 0; i < files.size(); ++i) {
-        progress(i, files.size());
-        const ScanFileDescription file = describe_scan_file(files[i], read);
-        points += file.points;
-        for (const ScanDescription& scan : file.scans) {
-            scans.push_back(scan);
-            facts.push_back(scan.facts);
-        }
-    }
+void require_budget(Run& run, const std::vector<fs::path>& files, const ConvertSettings& settings,
+                    Reach reach) {
+    Workload announced = announced_work(files, settings.read);
+    announced.links = settings.links;
+    const Prediction guess = predict(announced);
+    require_budget(run.flags, guess, reach);
+    if (reach == Reach::kSurface || surely_fits(run.flags, guess, needs_of(guess, reach))) return;
+    const Pilot pilot = run_pilot(files, settings, run.console.phase("look", "files"));
     run.console.end_phase();
-    const std::vector<Warning> warnings = preflight(facts);
+    require_budget(run.flags, predict(piloted_work(pilot, settings.links)), reach);
+}
+
+Json plan_work(Run& run, const std::vector<fs::path>& files, const ConvertSettings& settings,
+               Reach reach) {
+    const Progress progress = run.console.phase("look", "files");
+    const Pilot pilot = reach == Reach::kSurface ? look_only(files, settings.read, progress)
+                                                 : run_pilot(files, settings, progress);
+    run.console.end_phase();
+    const std::vector<Warning> warnings = preflight(pilot.facts);
     say_warnings(warnings);
 
-    Workload work{.scans = std::max<std::size_t>(1, scans.size()), .points = points};
-    for (const ScanFacts& scan : facts)
-    work.spacing = spacing_of(scans);
-    work.extent = scans.empty() ? 0.0 : extent_of(scans);
-    work.depth = build.depth;
-    work.voxel_size = build.voxel_size;
-    work.links = build.links;
-    const Prediction p = predict(work, thread_count(run.flags));
-    const std::uint64_t memory = memory_of(p, reach);
-    if (!run.flags.json) {
-        fmt::print("{} of {}\n", format_number_of(points, "point"),
-                   format_number_of(scans.size(), "scan"));
-        fmt::print("depth   {}, voxels of {:.2f} cm, about {} leaves\n", p.depth,
-                   100.0 * p.voxel_size, format_count(p.leaves));
-        fmt::print("memory  {}\n", format_bytes(memory));
-        fmt::print("disk    {} for the output, {} while it works\n", format_bytes(p.output_bytes),
-                   format_bytes(reach == Reach::kAll ? p.work_bytes : 0));
-        fmt::print("time    {:.0f} s on {} threads\n", p.seconds, thread_count(run.flags));
-    }
+    const Prediction p = predict(piloted_work(pilot, settings.links));
+    const Needs needs = needs_of(p, reach);
+    const int threads = thread_count(run.flags);
+    if (!run.flags.json) print_plan(pilot, needs, threads, reach);
     require_budget(run.flags, p, reach);
     run.last_word = "nothing was written";
-    return {{"dry_run", true},
-            {"scans", scans.size()},
-            {"points", points},
-            {"depth", p.depth},
-            {"voxel_size", p.voxel_size},
-            {"leaves", p.leaves},
-            {"memory", memory},
-            {"disk", p.output_bytes},
-            {"work_disk", reach == Reach::kAll ? p.work_bytes : 0},
-            {"seconds", p.seconds},
-            {"warnings", warnings_json(warnings)}};
+    Json result = {{"dry_run", true}, {"scans", pilot.facts.size()}, {"points", pilot.points}};
+    if (reach == Reach::kAll) {
+        result.update({{"placed", pilot.placed},
+                       {"surfels", static_cast<std::uint64_t>(pilot.octree.surfels)},
+                       {"depth", pilot.grid.depth},
+                       {"voxel_size", pilot.grid.voxel_size()},
+                       {"leaves", static_cast<std::uint64_t>(pilot.octree.leaves)},
+                       {"stages", stages_json(p)}});
+    }
+    result.update({{"memory", needs.memory},
+                   {"disk", needs.output},
+                   {"work_disk", needs.work},
+                   {"seconds", wall_time(needs.processor_time, threads)},
+                   {"processor_seconds", needs.processor_time},
+                   {"warnings", warnings_json(warnings)}});
+    return result;
 }
 
 }  // namespace glowworm

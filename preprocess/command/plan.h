@@ -1,27 +1,30 @@
 #pragma once
 
 #include <filesystem>
-#include <span>
 #include <vector>
 
 #include "preprocess/command/command.h"
-#include "preprocess/command/stage_flags.h"
+#include "preprocess/pipeline.h"
 #include "preprocess/pipeline/prediction.h"
 
 namespace glowworm {
 
 /// How far a command goes: what of a Prediction concerns it.
-enum class Reach { kMerge, kSurface, kBuild, kAll };
+enum class Reach { kRegister, kMerge, kSurface, kAll };
 
 /// Refuses at once what cannot fit: throws Error (kBudget), with the size that is needed, where the
-/// peak memory of `reach` is above --memory-limit or the folders of output and temporary files have
-/// too little space.
+/// peak memory of `reach` is above --memory-limit, or the folders of output and temporary files
+/// have too little space, even if the prediction is too high by its own error.
 void require_budget(const SharedFlags& flags, const Prediction& prediction, Reach reach);
 
-/// --dry-run: looks at all points, says depth, memory, disk and time and every warning, writes
-/// nothing. Throws as require_budget.
+/// The same for scans: by their headers, and where these leave it open by a pilot.
+void require_budget(Run& run, const std::vector<std::filesystem::path>& files,
+                    const ConvertSettings& settings, Reach reach);
+
+/// --dry-run: looks at all points and does a small part of the work; says depth, memory, disk and
+/// time and every warning, writes nothing. Throws as require_budget.
 nlohmann::ordered_json plan_work(Run& run, const std::vector<std::filesystem::path>& files,
-                                 const ReadSettings& read, const BuildFlags& build, Reach reach);
+                                 const ConvertSettings& settings, Reach reach);
 
 /// As many threads as the work will have.
 int thread_count(const SharedFlags& flags);

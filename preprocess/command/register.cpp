@@ -53,9 +53,7 @@ nlohmann::ordered_json run_register(Run& run, RegisterFlags flags) {
         require_distinct(flags.plot, files);
     }
     flags.registration.apply(flags.settings.registration);
-    require_budget(run.flags,
-                   predict(announced_work(files, flags.settings.read), thread_count(run.flags)),
-                   Reach::kMerge);
+    require_budget(run, files, flags.settings, Reach::kRegister);
 
     const auto begin = [&](const std::string& phase, const std::string& unit) {
         return run.console.phase(phase, unit);
@@ -90,8 +88,9 @@ void add_register_command(Program& program) {
         "register", "raw scans to poses and a trust report per scan and per pair", true,
         [flags](Run& run) { return run_register(run, *flags); },
         [flags](Run& run) {
-            return plan_work(run, find_scan_files(flags->inputs), flags->settings.read, {},
-                             Reach::kMerge);
+            ConvertSettings settings = flags->settings;
+            flags->registration.apply(settings.registration);
+            return plan_work(run, find_scan_files(flags->inputs), settings, Reach::kRegister);
         });
     command->add_option("scans", flags->inputs, "scan files or folders of them")->required();
     command->add_option("--plot", flags->plot, "draw the placed scans from above into this PNG");

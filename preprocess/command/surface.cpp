@@ -29,10 +29,9 @@ nlohmann::ordered_json run_surface(Run& run, const SurfaceFlags& flags) {
         require_distinct(flags.plot, {flags.input});
     }
 
-    require_budget(
-        run.flags,
-        predict(announced_work(std::vector{flags.input}, flags.read), thread_count(run.flags)),
-        Reach::kSurface);
+    ConvertSettings settings;
+    settings.read = flags.read;
+    require_budget(run, {flags.input}, settings, Reach::kSurface);
     run.console.phase("read", "points");
     const PointCloud cloud = read_cloud(flags.input, flags.read);
     SurfaceReport report;
@@ -59,7 +58,10 @@ void add_surface_command(Program& program) {
         "surface", "a merged cloud to surfels: normals, NDF vectors, radii", true,
         [flags](Run& run) { return run_surface(run, *flags); },
         [flags](Run& run) {
-            return plan_work(run, {flags->input}, flags->read, {}, Reach::kSurface);
+            check_cloud_extension(run.flags.output);
+            ConvertSettings settings;
+            settings.read = flags->read;
+            return plan_work(run, {flags->input}, settings, Reach::kSurface);
         });
     command->add_option("cloud", flags->input, "the cloud, as `glowworm merge` writes it")
         ->required();

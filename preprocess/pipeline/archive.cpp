@@ -38,10 +38,6 @@ void ArchiveWriter::operator()(const std::string& text) {
     put(text.data(), text.size());
 }
 
-void ArchiveWriter::operator()(const Eigen::Isometry3d& pose) {
-    put(pose.matrix().data(), 16 * sizeof(double));
-}
-
 void ArchiveWriter::commit() {
     flush();
     file_.write(hash_.hex());
@@ -58,7 +54,27 @@ ArchiveReader::ArchiveReader(const std::filesystem::path& path, const std::strin
     std::string magic(kMagic.size(), '\0'), found;
     take(magic.data(), magic.size());
     (*this)(found);
-    if (magic != kMagic || (!key.empty() && found != key)) good_ = false;
+    good_ = good_ && magic == kMagic && (key.empty() || found == key) && is_whole();
+}
+
+/// Whether the hash at the end is that of all before it. Reading goes on where it was.
+bool ArchiveReader::is_whole() {
+    const std::streampos here = stream_.tellg();
+    std::uint64_t left = left_ + static_cast<std::uint64_t>(here);
+    stream_.seekg(0);
+    Hash hash;
+    std::vector<char> block(std::size_t{1} << 20);
+    while (left > 0 && stream_) {
+        const std::size_t bytes = std::min<std::uint64_t>(left, block.size());
+        stream_.read(block.data(), static_cast<std::streamsize>(bytes));
+        hash.bytes(block.data(), bytes);
+        left -= bytes;
+    }
+    std::string digits(kHashDigits, '\0');
+    stream_.read(digits.data(), kHashDigits);
+    if (!stream_ || digits != hash.hex()) return false;
+    stream_.seekg(here);
+    return true;
 }
 
 void ArchiveReader::take(void* data, std::size_t bytes) {
@@ -67,7 +83,6 @@ void ArchiveReader::take(void* data, std::size_t bytes) {
     stream_.read(static_cast<char*>(data), static_cast<std::streamsize>(bytes));
     if (!stream_) good_ = false;
     left_ -= bytes;
-    if (good_) hash_.bytes(data, bytes);
 }
 
 void ArchiveReader::operator()(std::string& text) {
@@ -77,17 +92,6 @@ void ArchiveReader::operator()(std::string& text) {
     if (!good_) return;
     text.resize(size);
     take(text.data(), text.size());
-}
-
-void ArchiveReader::operator()(Eigen::Isometry3d& pose) {
-    take(pose.matrix().data(), 16 * sizeof(double));
-}
-
-bool ArchiveReader::good() {
-    if (!good_ || left_ != 0) return false;
-    std::string digits(kHashDigits, '\0');
-    stream_.read(digits.data(), kHashDigits);
-    return good_ = stream_ && digits == hash_.hex();
 }
 
 }  // namespace glowworm

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Geometry>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -22,11 +21,13 @@ class ArchiveWriter {
 
     template <typename T>
     void operator()(const T& value) {
-        put(&value, sizeof(T));
-        static_assert(std::is_trivially_copyable_v<T>);
+        if constexpr (std::is_trivially_copyable_v<T>) {
+            put(&value, sizeof(T));
+        } else {
+            archive(*this, value);
+        }
     }
     void operator()(const std::string& text);
-    void operator()(const Eigen::Isometry3d& pose);
     template <typename T>
     void operator()(const std::optional<T>& value) {
         (*this)(value.has_value());
@@ -39,7 +40,7 @@ class ArchiveWriter {
             put(values.data(), values.size() * sizeof(T));
         } else {
             for (const T& value : values)
-                archive(*this, value);
+                (*this)(value);
         }
     }
     template <typename... Values>
@@ -60,24 +61,26 @@ class ArchiveWriter {
 };
 
 /// Reads what ArchiveWriter wrote; an empty key is every key. A file that is damaged, or was
-/// written for another key, is as good as none: nothing throws, `good` is false, and values are
-/// then without meaning.
+/// written for another key, is as good as none: nothing throws, `good` is false, and nothing is
+/// read from it, since a bool or an enum of any bytes would be none. The hash is looked at first.
 class ArchiveReader {
   public:
     ArchiveReader(const std::filesystem::path& path, const std::string& key);
 
     template <typename T>
     void operator()(T& value) {
-        static_assert(std::is_trivially_copyable_v<T>);
-        take(&value, sizeof(T));
+        if constexpr (std::is_trivially_copyable_v<T>) {
+            take(&value, sizeof(T));
+        } else {
+            archive(*this, value);
+        }
     }
     void operator()(std::string& text);
-    void operator()(Eigen::Isometry3d& pose);
     template <typename T>
     void operator()(std::optional<T>& value) {
         bool there = false;
         (*this)(there);
-        if (there) (*this)(value.emplace());
+        if (good_ && there) (*this)(value.emplace());
     }
     template <typename T>
     void operator()(std::vector<T>& values) {
@@ -91,20 +94,20 @@ class ArchiveReader {
             take(values.data(), values.size() * sizeof(T));
         } else {
             for (T& value : values)
-                archive(*this, value);
+                (*this)(value);
         }
     }
     template <typename... Values>
     requires(sizeof...(Values) > 1) void operator()(Values&... values) { ((*this)(values), ...); }
 
-    /// Whether all was read and is what was written. To be asked last.
-    bool good();
+    /// Whether all was read that was written. To be asked last.
+    bool good() const { return good_ && left_ == 0; }
 
   private:
     void take(void* data, std::size_t bytes);
+    bool is_whole();
 
     std::ifstream stream_;
-    Hash hash_;
     std::uint64_t left_ = 0;  // bytes before the hash
     bool good_ = false;
 };

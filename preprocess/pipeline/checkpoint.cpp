@@ -1,8 +1,12 @@
 #include "preprocess/pipeline/checkpoint.h"
 
+#include <algorithm>
+#include <array>
 #include <concepts>
+#include <utility>
 
 #include "preprocess/pipeline/archive.h"
+#include "preprocess/register/pairwise.h"
 
 namespace glowworm {
 
@@ -11,9 +15,17 @@ namespace glowworm {
 template <typename T, typename Struct>
 concept Is = std::same_as<std::remove_const_t<T>, Struct>;
 
-template <typename A, Is<std::string> T>
-void archive(A& file, T& text) {
-    file(text);
+template <std::size_t Count, typename A, typename Matrix>
+void archive_numbers(A& file, Matrix& matrix) {
+    std::array<double, Count> numbers;
+    std::copy_n(matrix.data(), Count, numbers.begin());
+    file(numbers);
+    if constexpr (!std::is_const_v<Matrix>) std::copy_n(numbers.begin(), Count, matrix.data());
+}
+
+template <typename A, Is<Eigen::Isometry3d> T>
+void archive(A& file, T& pose) {
+    archive_numbers<16>(file, pose);
 }
 
 template <typename A, Is<Points> T>
@@ -149,19 +161,45 @@ void archive(A& file, T& all) {
     file(origin, surfels, stations, area_lights);
 }
 
+template <typename A, Is<Fit> T>
+void archive(A& file, T& all) {
+    auto& [T_target_source, converged, inliers, rmse, p95, information, centre, extent] = all;
+    file(T_target_source, converged, inliers, rmse, p95);
+    archive_numbers<36>(file, information);
+    archive_numbers<3>(file, centre);
+    file(extent);
+}
+
+template <typename A, Is<PairFit> T>
+void archive(A& file, T& all) {
+    auto& [source, target, fit, agreement, matches, ambiguous, believed, accepted] = all;
+    file(source, target, fit, agreement, matches, ambiguous, believed, accepted);
+}
+
+template <typename A, Is<std::pair<std::size_t, std::size_t>> T>
+void archive(A& file, T& pair) {
+    file(pair.first, pair.second);
+}
+
+template <typename A, Is<PairPlan> T>
+void archive(A& file, T& all) {
+    auto& [voxel_size, all_seen, pairs] = all;
+    file(voxel_size, all_seen, pairs);
+}
+
 namespace {
 
 template <typename... Parts>
 void save(const std::filesystem::path& path, const std::string& key, const Parts&... parts) {
     ArchiveWriter file(path, key);
-    (archive(file, parts), ...);
+    (file(parts), ...);
     file.commit();
 }
 
 template <typename... Parts>
 bool load(const std::filesystem::path& path, const std::string& key, Parts&... parts) {
     ArchiveReader file(path, key);
-    (archive(file, parts), ...);
+    (file(parts), ...);
     return file.good();
 }
 
@@ -214,6 +252,34 @@ bool load_report(const WorkFolder& work, const std::string& stage, const std::st
 void save_report(const WorkFolder& work, const std::string& stage, const std::string& key,
                  const Conversion& what) {
     save(work.part(stage), key, what);
+}
+
+bool load_pair_plan(const WorkFolder& work, const std::string& key, PairPlan& what) {
+    return load(work.part("pairs"), key, what);
+}
+
+void save_pair_plan(const WorkFolder& work, const std::string& key, const PairPlan& what) {
+    save(work.part("pairs"), key, what);
+}
+
+bool load_share(const WorkFolder& work, const std::string& key, const Share& share,
+                std::vector<PairFit>& what) {
+    return load(work.part(share.name("pairs")), key, what);
+}
+
+void save_share(const WorkFolder& work, const std::string& key, const Share& share,
+                const std::vector<PairFit>& what) {
+    save(work.part(share.name("pairs")), key, what);
+}
+
+bool load_share(const WorkFolder& work, const std::string& key, const Share& share,
+                Conversion& so_far, TileShare& what) {
+    return load(work.part(share.name("tiles")), key, so_far, what.dropped, what.names);
+}
+
+void save_share(const WorkFolder& work, const std::string& key, const Share& share,
+                const Conversion& so_far, const TileShare& what) {
+    save(work.part(share.name("tiles")), key, so_far, what.dropped, what.names);
 }
 
 }  // namespace glowworm

@@ -5,6 +5,7 @@
 
 #include "preprocess/pipeline.h"
 #include "preprocess/pipeline/ingest.h"
+#include "preprocess/pipeline/shares.h"
 #include "preprocess/pipeline/work_folder.h"
 
 namespace glowworm {
@@ -34,5 +35,25 @@ bool load_report(const WorkFolder& work, const std::string& stage, const std::st
                  Conversion& what);
 void save_report(const WorkFolder& work, const std::string& stage, const std::string& key,
                  const Conversion& what);
+
+/// Which pairs are to be tried.
+bool load_pair_plan(const WorkFolder& work, const std::string& key, PairPlan& what);
+void save_pair_plan(const WorkFolder& work, const std::string& key, const PairPlan& what);
+
+/// The pairs that one job tried.
+bool load_share(const WorkFolder& work, const std::string& key, const Share& share,
+                std::vector<PairFit>& what);
+void save_share(const WorkFolder& work, const std::string& key, const Share& share,
+                const std::vector<PairFit>& what);
+
+/// Tiles that one job built.
+struct TileShare {
+    std::uint64_t dropped = 0;       ///< surfels left out, of the whole cloud
+    std::vector<std::string> names;  ///< of the parts with the tiles; cells with nothing have none
+};
+bool load_share(const WorkFolder& work, const std::string& key, const Share& share,
+                Conversion& so_far, TileShare& what);
+void save_share(const WorkFolder& work, const std::string& key, const Share& share,
+                const Conversion& so_far, const TileShare& what);
 
 }  // namespace glowworm

@@ -3,102 +3,41 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <string>
 
 namespace glowworm {
 namespace {
 
 // Bytes.
-constexpr double kProgram = 42e6;    // libraries, tables
+constexpr double kProgram = 46e6;    // libraries, tables
 constexpr double kReadPoint = 75.0;  // a point of any scan until they are merged
 constexpr double kSurfacePoint = 200.0;
-constexpr double kBuildSurfel = 70.0;
-constexpr double kBuildLeaf = 560.0;
-constexpr double kLinkedLeaf = 160.0;  // the octree itself while its links are traced
-constexpr double kLink = 4.0;
-constexpr double kFileSurfel = 20.0;
-constexpr double kFileLeaf = 118.0;
-constexpr double kKeptPoint = 15.0;   // a point in a scan's checkpoint
-constexpr double kKeptSurfel = 83.0;  // a point in the cloud's and in the surfels' checkpoint
+constexpr double kBuildSurfel = 100.0;
+constexpr double kBuildLeaf = 300.0;
+constexpr double kKeptSurfel = 83.0;  // in the cloud's and in the surfels' checkpoint
 
 // Processor seconds.
-constexpr double kReadTime = 2.2e-6;     // a point: read and clean
-constexpr double kScanTime = 0.2;        // a scan's features
-constexpr double kPairTime = 0.15;       // a pair of scans, tried and refined
-constexpr double kMergeTime = 1.5e-6;    // a point
-constexpr double kSurfaceTime = 2.1e-6;  // a point
-constexpr double kLeafTime = 5e-6;
-constexpr double kLinkTime = 1.35e-6;
-constexpr double kParallel = 0.9;  // share of the cores that is at work
+constexpr double kReadTime = 2.3e-6;     // a point: read and clean
+constexpr double kScanTime = 2.0e-6;     // a point of a scan's features
+constexpr double kPairTime = 0.2;        // a pair of scans, tried and refined
+constexpr double kMergeTime = 1.9e-6;    // a point
+constexpr double kSurfaceTime = 2.6e-6;  // a surfel
+constexpr double kBuildTime = 0.7e-6;    // a surfel
+constexpr double kLeafTime = 1.5e-6;
+constexpr double kLinkTime = 1.0e-6;  // where none was traced
+constexpr double kParallel = 0.9;     // share of the cores that is at work
 
-// Shares and ratios. n scans show less than n times what one shows, since they overlap.
+// Where only headers are known. n scans show less than n times what one shows: they overlap.
 constexpr double kKeptShare = 0.87;  // of one scan's points; of n scans' times n^kKeptPower
 constexpr double kKeptPower = -0.08;
-constexpr double kSpacingOfNearest = 2.1;  // spacing of surfels over distance to the nearest
-constexpr double kUneven = 2.9;            // mean area of one scan's surfels over the median one's
-constexpr double kAreaPower = 0.25;        // n scans have n^kAreaPower times the area of one
-constexpr double kLeavesPerFace = 1.4;
-constexpr double kLeavesPower = -0.4;  // leaves per surfel of n scans, spacing unknown
+constexpr double kLeafPower = -0.4;  // leaves per surfel of n scans
+constexpr double kNodesPerLeaf = 1.35;
+constexpr double kLobesPerLeaf = 1.2;
 constexpr std::size_t kPairsPerScan = 8;
-constexpr double kSamplesPerFace = 3.5;
-constexpr std::uint32_t kDeepest = 11;
+constexpr double kGuessError = 0.5;
+constexpr double kPilotError = 0.25;
 
-void predict_depth(const Workload& work, Prediction& p) {
-    const double edge = work.extent * 33.0 / 32.0;
-    const double spacing = kSpacingOfNearest * work.spacing;
-    if (work.voxel_size) {
-        p.voxel_size = *work.voxel_size;
-        p.depth = static_cast<std::uint32_t>(
-            std::max(0.0, std::ceil(std::log2(std::max(edge / p.voxel_size, 1.0)))));
-        return;
-    }
-    p.depth = work.depth.value_or(1);
-    while (!work.depth && p.depth < kDeepest &&
-           edge / (2u << p.depth) >= spacing * std::sqrt(kSamplesPerFace))
-        ++p.depth;
-    p.voxel_size = std::ldexp(edge, -static_cast<int>(p.depth));
-}
-
-}  // namespace
-
-std::uint64_t Prediction::memory() const {
-    return std::max({read_memory, surface_memory, build_memory});
-}
-
-Prediction predict(const Workload& work, int threads) {
-    Prediction p;
-    const double points = static_cast<double>(work.points);
-    const double scans = static_cast<double>(work.scans);
-    const double surfels = points * kKeptShare * std::pow(scans, kKeptPower);
-    double leaves = surfels * std::pow(scans, kLeavesPower);
-    if (work.spacing > 0.0 && work.extent > 0.0) {
-        predict_depth(work, p);
-        const double spacing = kSpacingOfNearest * work.spacing;
-        const double area =
-            points / scans * kKeptShare * kUneven * spacing * spacing * std::pow(scans, kAreaPower);
-        leaves = kLeavesPerFace * area / (p.voxel_size * p.voxel_size);
-    }
-    const double links = leaves * work.links;
-    const double pairs =
-        0.5 * static_cast<double>(work.scans * std::min(work.scans - 1, kPairsPerScan));
-    p.surfels = static_cast<std::uint64_t>(surfels);
-    p.leaves = static_cast<std::uint64_t>(leaves);
-
-    const auto bytes = [](double value) { return static_cast<std::uint64_t>(value); };
-    p.read_memory = bytes(kProgram + kReadPoint * points);
-    p.surface_memory = bytes(kProgram + kSurfacePoint * surfels);
-    p.build_memory = bytes(kProgram + std::max(kBuildSurfel * surfels + kBuildLeaf * leaves,
-                                               kLinkedLeaf * leaves + kLink * links));
-    const double octree = kFileSurfel * surfels + kFileLeaf * leaves;
-    p.output_bytes = bytes(octree + kLink * links);
-    p.work_bytes = bytes(kKeptPoint * points + kKeptSurfel * surfels + octree);
-
-    const double seconds = points * (kReadTime + kMergeTime) + surfels * kSurfaceTime +
-                           scans * kScanTime + pairs * kPairTime + leaves * kLeafTime +
-                           links * kLinkTime;
-    p.seconds = seconds / (kParallel * std::max(threads, 1));
-    return p;
-}
-
+/// How many points the headers of a file announce; where they announce none, what its size holds.
 std::uint64_t announced_points(const std::filesystem::path& file, const ReadSettings& settings,
                                std::size_t& scans) {
     const std::unique_ptr<ScanFile> opened = open_scan_file(file, settings);
@@ -123,6 +62,43 @@ std::uint64_t announced_points(const std::filesystem::path& file, const ReadSett
     return bytes * static_cast<std::uint64_t>(lines) / std::max<std::uint64_t>(1, start.size());
 }
 
+}  // namespace
+
+std::uint64_t Prediction::memory() const {
+    return std::max({read_memory, surface_memory, build_memory});
+}
+
+double Prediction::processor_time() const {
+    return read_time + register_time + merge_time + surface_time + build_time + link_time;
+}
+
+Prediction predict(const Workload& work) {
+    const auto points = static_cast<double>(work.points);
+    const OctreeSize& size = work.octree;
+    const double links = size.lobes * work.links;
+    const auto bytes = [](double value) { return static_cast<std::uint64_t>(value); };
+
+    Prediction p;
+    p.work = work;
+    p.read_memory = bytes(kProgram + kReadPoint * points);
+    p.surface_memory = bytes(kProgram + kSurfacePoint * size.surfels);
+    p.build_memory =
+        bytes(kProgram + std::max(kBuildSurfel * size.surfels + kBuildLeaf * size.leaves,
+                                  size.bytes(work.links)));
+    p.output_bytes = bytes(size.bytes(work.links));
+    p.work_bytes = bytes(work.bytes_a_point * points + kKeptSurfel * size.surfels + size.bytes(0));
+
+    const auto known = [](double time, double guess) { return time > 0.0 ? time : guess; };
+    p.read_time = kReadTime * points;
+    p.register_time =
+        kScanTime * points + known(work.pair_time, kPairTime) * static_cast<double>(work.pairs);
+    p.merge_time = kMergeTime * points;
+    p.surface_time = known(work.surface_time, kSurfaceTime) * size.surfels;
+    p.build_time = kBuildTime * size.surfels + kLeafTime * size.leaves;
+    p.link_time = known(work.link_time, kLinkTime) * links;
+    return p;
+}
+
 Workload announced_work(std::span<const std::filesystem::path> files,
                         const ReadSettings& settings) {
     Workload work{.scans = 0};
@@ -131,7 +107,31 @@ Workload announced_work(std::span<const std::filesystem::path> files,
         work.points += points;
     }
     work.scans = std::max<std::size_t>(work.scans, 1);
+    const auto scans = static_cast<double>(work.scans);
+    work.pairs = work.scans * std::min(work.scans - 1, kPairsPerScan) / 2;
+    const double surfels =
+        static_cast<double>(work.points) * kKeptShare * std::pow(scans, kKeptPower);
+    const double leaves = surfels * std::pow(scans, kLeafPower);
+    work.octree = {surfels, leaves, kNodesPerLeaf * leaves, kLobesPerLeaf * leaves};
+    work.error = kGuessError;
     return work;
+}
+
+Workload piloted_work(const Pilot& pilot, std::uint32_t links) {
+    return {.scans = std::max<std::size_t>(pilot.facts.size(), 1),
+            .pairs = pilot.pairs,
+            .points = pilot.points,
+            .bytes_a_point = pilot.bytes_a_point,
+            .octree = pilot.octree,
+            .links = links,
+            .pair_time = pilot.pair_time,
+            .surface_time = pilot.surface_time,
+            .link_time = pilot.link_time,
+            .error = kPilotError};
+}
+
+double wall_time(double processor_seconds, int threads) {
+    return processor_seconds / (kParallel * std::max(threads, 1));
 }
 
 }  // namespace glowworm

@@ -2,52 +2,53 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <span>
 
-#include "octree/build.h"
-#include "preprocess/read/scan_facts.h"
+#include "preprocess/pipeline/octree_size.h"
+#include "preprocess/pipeline/pilot.h"
+#include "preprocess/read/scan_file.h"
 
 namespace glowworm {
 
-/// What is known before any work: from the files' headers alone, or from a look at their points.
+/// What there is to do: guessed from the files' headers, or told by a pilot.
 struct Workload {
     std::size_t scans = 1;
-    std::uint64_t points = 0;        ///< of all scans
-    double spacing = 0.0;            ///< m, median distance to the nearest point; 0: not looked
-    double extent = 0.0;             ///< m, longest side of what all scans span; 0: not looked
-    std::optional<std::uint32_t> depth = {};
-    std::optional<double> voxel_size = {};
-    std::uint32_t links = 0;  ///< rays per lobe
+    std::size_t pairs = 0;        ///< of scans to be tried
+    std::uint64_t points = 0;     ///< of all scans
+    double bytes_a_point = 16.0;  ///< of its columns
+    OctreeSize octree;
+    std::uint32_t links = 0;                                      ///< rays per lobe
+    double pair_time = 0.0, surface_time = 0.0, link_time = 0.0;  ///< as Pilot's
+    double error = 0.0;  ///< 0.25: what is needed may be a quarter less than predicted
 };
 
-/// What a conversion will take. The stages' costs per point, per pair of scans and per leaf were
-/// measured on the bundled scans and on simulated ones, memory as the peak of resident pages, time
-/// as processor seconds of one core of the machine named in bench/README.md; time is these over the
-/// cores at work. How much scans overlap, and how even their points are, is not known before they
-/// are registered: leaves, and with them links, are the uncertain part.
+/// What it will take. The stages' costs per point, pair, surfel and leaf were measured on real and
+/// simulated scans on the machine named in bench/README.md: memory as the peak of resident pages,
+/// time as processor seconds.
 struct Prediction {
-    std::uint32_t depth = 0;  ///< 0 where spacing and extent are not known
-    double voxel_size = 0.0;  ///< m
-    std::uint64_t surfels = 0, leaves = 0;
     std::uint64_t read_memory = 0;     ///< bytes at the peak of reading, registering and merging
     std::uint64_t surface_memory = 0;  ///< of estimating normals
     std::uint64_t build_memory = 0;    ///< of building and linking
     std::uint64_t output_bytes = 0;    ///< the octree file
     std::uint64_t work_bytes = 0;      ///< what the stages keep until it is there
-    double seconds = 0.0;
+    double read_time = 0.0, register_time = 0.0, merge_time = 0.0, surface_time = 0.0,
+           build_time = 0.0, link_time = 0.0;  ///< processor seconds
+    Workload work;                             ///< what for
 
-    std::uint64_t memory() const;  ///< bytes at the peak of all
+    std::uint64_t memory() const;   ///< bytes at the peak of all
+    double processor_time() const;  ///< s, of all stages
 };
 
-Prediction predict(const Workload& work, int threads);
+Prediction predict(const Workload& work);
 
-/// How many points the headers of a file announce; for files that announce none, what its size
-/// holds. Throws as open_scan_file.
-std::uint64_t announced_points(const std::filesystem::path& file, const ReadSettings& settings,
-                               std::size_t& scans);
-
-/// The workload of files by their headers alone.
+/// By the headers alone: within a factor of two, since nobody knows yet how much scans overlap.
+/// For files that announce no number of points, what their size holds. Throws as open_scan_file.
 Workload announced_work(std::span<const std::filesystem::path> files, const ReadSettings& settings);
+
+/// By doing a part of it.
+Workload piloted_work(const Pilot& pilot, std::uint32_t links);
+
+/// Processor seconds as seconds on that many cores.
+double wall_time(double processor_seconds, int threads);
 
 }  // namespace glowworm

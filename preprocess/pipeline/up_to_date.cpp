@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <string_view>
 
 #include "octree/error.h"
 #include "octree/octree_file.h"
@@ -13,8 +14,23 @@
 namespace glowworm {
 namespace {
 
-constexpr const char* kAttribute = "user.glowworm.inputs";
 constexpr std::time_t kSettled = 2;  // s; coarser than any file system's clock but FAT's
+
+const char* attribute_of(Record record) {
+    return record == Record::kState ? "user.glowworm.inputs" : "user.glowworm.content";
+}
+
+/// `value` and what the output is now, as a hash; empty where there is neither.
+std::string with_output(const std::string& value, const std::filesystem::path& output) {
+    struct stat status = {};
+    if (value.empty() || ::stat(output.c_str(), &status) != 0) return {};
+    return Hash()
+        .add(value)
+        .add(status.st_size)
+        .add(status.st_mtim.tv_sec)
+        .add(status.st_mtim.tv_nsec)
+        .hex();
+}
 
 }  // namespace
 
@@ -33,17 +49,19 @@ std::string state_of(std::span<const std::filesystem::path> files, const std::st
     return hash.hex();
 }
 
-void remember_state(const std::filesystem::path& output, const std::string& state) {
-    if (state.empty()) return;
-    // Without the attribute the next run takes longer, nothing else.
+void remember_as(const std::filesystem::path& output, Record record, const std::string& value) {
+    const std::string kept = with_output(value, output);
+    if (kept.empty()) return;
+    // Without the attribute the next run takes longer or is refused, nothing else.
     [[maybe_unused]] const int failed =
-        ::setxattr(output.c_str(), kAttribute, state.data(), state.size(), 0);
+        ::setxattr(output.c_str(), attribute_of(record), kept.data(), kept.size(), 0);
 }
 
-std::string remembered_state(const std::filesystem::path& output) {
-    char state[64];
-    const ssize_t size = ::getxattr(output.c_str(), kAttribute, state, sizeof(state));
-    return size > 0 ? std::string(state, static_cast<std::size_t>(size)) : std::string();
+bool remembers(const std::filesystem::path& output, Record record, const std::string& value) {
+    char kept[64];
+    const ssize_t size = ::getxattr(output.c_str(), attribute_of(record), kept, sizeof(kept));
+    return size > 0 &&
+           with_output(value, output) == std::string_view(kept, static_cast<std::size_t>(size));
 }
 
 std::string provenance_of(const std::filesystem::path& output) {

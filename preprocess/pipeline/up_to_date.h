@@ -12,12 +12,16 @@ namespace glowworm {
 /// change apart.
 std::string state_of(std::span<const std::filesystem::path> files, const std::string& settings);
 
-/// Keeps the state of the inputs with the output, as an extended attribute: outside its content,
-/// gone with it. Where the file system has none, contents are hashed every time.
-void remember_state(const std::filesystem::path& output, const std::string& state);
+/// What is told of the inputs: their state, or the hash of their content and of the settings.
+enum class Record { kState, kContent };
 
-/// What was remembered, empty where nothing was.
-std::string remembered_state(const std::filesystem::path& output);
+/// Keeps `value` with the output, as an extended attribute: outside its content, gone with it. An
+/// output that changes afterwards forgets it. Where the file system has no such attributes, or the
+/// value is empty, nothing is kept.
+void remember_as(const std::filesystem::path& output, Record record, const std::string& value);
+
+/// Whether this value was kept, and the output has not changed since. Never for an empty one.
+bool remembers(const std::filesystem::path& output, Record record, const std::string& value);
 
 /// The provenance of an octree file; empty for what is none.
 std::string provenance_of(const std::filesystem::path& output);

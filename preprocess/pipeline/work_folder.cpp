@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <csignal>
@@ -23,6 +24,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kLock = "lock";
 constexpr const char* kPart = ".part";
+constexpr int kAttempts = 50;
+constexpr useconds_t kPause = 20'000;  // µs
 
 std::vector<fs::path> files_in(const fs::path& folder) {
     std::vector<fs::path> files;
@@ -57,6 +60,16 @@ void require_ours(const fs::path& path) {
                             path.string()));
 }
 
+/// Whether the file could be locked. One that is held is asked for again during a second: who ends
+/// a run that read scans holds the folder alone for a moment, to see whether it may go.
+bool lock_patiently(int file, int kind) {
+    for (int attempt = 0; ::flock(file, kind | LOCK_NB) != 0; ++attempt) {
+        if (errno != EWOULDBLOCK || attempt == kAttempts) return false;
+        ::usleep(kPause);
+    }
+    return true;
+}
+
 /// The descriptor of the locked file; -1 where it vanished meanwhile, because another run ended.
 int try_lock(const fs::path& folder, WorkFolder::Hold hold) {
     if (::mkdir(folder.c_str(), 0777) != 0) {
@@ -69,7 +82,7 @@ int try_lock(const fs::path& folder, WorkFolder::Hold hold) {
         refuse(folder, errno);
     }
     const int kind = hold == WorkFolder::Hold::kAlone ? LOCK_EX : LOCK_SH;
-    if (::flock(lock, kind | LOCK_NB) != 0) {
+    if (!lock_patiently(lock, kind)) {
         const int error = errno;
         ::close(lock);
         if (error != EWOULDBLOCK) refuse(folder, error);
@@ -126,11 +139,14 @@ WorkFolder::~WorkFolder() {
     ::close(lock_);
 }
 
-bool WorkFolder::keeps_anything() const {
+std::vector<std::string> WorkFolder::parts() const {
+    std::vector<std::string> names;
     for (const fs::path& file : files_in(path_)) {
-        if (file.extension() == kPart && !is_unfinished(file)) return true;
+        if (file.extension() == kPart && !is_unfinished(file))
+            names.push_back(file.stem().string());
     }
-    return false;
+    std::ranges::sort(names);
+    return names;
 }
 
 void WorkFolder::remove() const {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace glowworm {
 
@@ -28,7 +29,10 @@ class WorkFolder {
     /// What the stage `name` keeps.
     std::filesystem::path part(const std::string& name) const { return path_ / (name + ".part"); }
 
-    bool keeps_anything() const;
+    /// The names of all parts that are kept, in their order.
+    std::vector<std::string> parts() const;
+
+    bool keeps_anything() const { return !parts().empty(); }
 
     /// Removes the folder and what is kept in it.
     void remove() const;

@@ -98,8 +98,7 @@ Desktop::Desktop(int width, int height, const std::filesystem::path& folder)
     const bool started = wait_for([&] {
         std::ifstream said(number_file_);
         while (std::getline(said, line) &&
-               (line.empty() || line.find_first_not_of("0123456789") != std::string::npos)) {
-        }
+               (line.empty() || line.find_first_not_of("0123456789") != std::string::npos)) {}
         return bool(said);
     });
     if (!started) throw std::runtime_error("Xvfb did not start");
@@ -120,16 +119,6 @@ bool Desktop::focus(const std::string& title) const {
     tell({"windowfocus", window});
     pause(0.8);
     return true;
-}
-
-void Desktop::resize(int width, int height) const {
-    tell({"getwindowfocus", "windowsize", std::to_string(width), std::to_string(height)});
-    pause(0.8);
-}
-
-void Desktop::hide_for_a_moment() const {
-    tell({"getwindowfocus", "windowunmap", "sleep", "0.5", "windowmap", "windowfocus"});
-    pause(0.8);
 }
 
 void Desktop::key(const std::string& name) const {

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <ctime>
+
+namespace glowworm {
+
+/// Seconds that all threads of this program have worked.
+inline double processor_time() {
+    timespec now = {};
+    ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+}  // namespace glowworm
