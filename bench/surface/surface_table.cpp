@@ -2,7 +2,7 @@
 // on the same points. The peers find neighbours and normals; ours is the whole stage: neighbours,
 // normals, orientation, NDF lengths, radii and albedo.
 //
-//   surface_table [millions of points = 1.4] [k = 16] [all | ours]
+//   surface_table [millions of points = 1.4[,more...]] [k = 16] [all | ours | growing]
 //
 // Build it in the release preset and let nothing else run.
 
@@ -15,6 +15,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <functional>
+#include <sstream>
 #include <string>
 
 #include "cgal_normals.h"
@@ -116,13 +117,16 @@ void print_angles(std::span<const Vec3f> normals, const testing::Shape& shape) {
                median_angle(normals, shape.normals, 0.95));
 }
 
-void run(std::size_t n, int k, bool peers) {
+enum class What { kAll, kOurs, kGrowing };
+
+void run(std::size_t n, int k, What what) {
     const testing::Shape shape = make_passage(n);
     const std::vector<Vec3f>& positions = shape.cloud.points.positions;
     const int threads = tbb::info::default_concurrency();
     fmt::print("{} points, k = {}, {} threads\n", n, k, threads);
 
     for (const bool grow : {false, true}) {
+        if (!grow && what == What::kGrowing) continue;
         SurfaceSettings settings;
         settings.k = k;
         if (!grow) settings.max_k = k;
@@ -135,7 +139,7 @@ void run(std::size_t n, int k, bool peers) {
             normals.push_back(surfel.normal);
         if (normals.size() == n) print_angles(normals, shape);
     }
-    if (!peers) return;
+    if (what != What::kAll) return;
 
     PointTree tree;
     row("tree", n, [&] { tree = make_point_tree(positions); });
@@ -153,8 +157,14 @@ void run(std::size_t n, int k, bool peers) {
 }  // namespace glowworm::bench
 
 int main(int argc, char** argv) {
-    const double millions = argc > 1 ? std::atof(argv[1]) : 1.4;
+    using glowworm::bench::What;
+    std::istringstream millions(argc > 1 ? argv[1] : "1.4");
     const int k = argc > 2 ? std::atoi(argv[2]) : 16;
-    const bool peers = argc < 4 || std::string(argv[3]) != "ours";
-    glowworm::bench::run(static_cast<std::size_t>(millions * 1e6), k, peers);
+    const std::string word = argc > 3 ? argv[3] : "all";
+    const What what = word == "ours"      ? What::kOurs
+                      : word == "growing" ? What::kGrowing
+                                          : What::kAll;
+    for (std::string size; std::getline(millions, size, ',');) {
+        glowworm::bench::run(static_cast<std::size_t>(std::atof(size.c_str()) * 1e6), k, what);
+    }
 }

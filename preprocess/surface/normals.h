@@ -81,9 +81,10 @@ std::vector<LocalPlane> fit_local_planes(const SurfacePoints& points,
                                          const Progress& progress);
 
 /// Fits anew where the thickness says that the neighbourhood crosses an edge: to the points of the
-/// flattest neighbouring plane that contains the point, weighted by their distance from it (Tukey's
-/// biweight). Returns how many were. In parallel.
+/// face that the point lies in, weighted by their distance from it (Tukey's biweight); where noise
+/// leaves open which of two faces that is, to their mean, weighted by how likely either is. Returns
+/// how many were. In parallel.
 std::size_t sharpen_edges(const SurfacePoints& points, const NormalSettings& settings,
-                          const NeighbourTable& table, std::vector<LocalPlane>& planes);
+                          std::vector<LocalPlane>& planes);
 
 }  // namespace glowworm

@@ -201,7 +201,7 @@ SurfelCloud make_surfels(const PointCloud& cloud, const SurfaceSettings& setting
     }
     if (report.isolated == planes.size()) throw_degenerate(report.points);
 
-    if (settings.sharp_edges) report.edges = sharpen_edges(points, fit, table, planes);
+    if (settings.sharp_edges) report.edges = sharpen_edges(points, fit, planes);
 
     const float spacing = median_spacing(planes);
     const Orientation by = find_viewpoints(cloud, settings.trajectory, planes, points, report);
