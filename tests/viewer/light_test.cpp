@@ -191,6 +191,60 @@ TEST(Light, AWhiteCaveHasAFixedPointAndAMovedLampIsForgotten) {
     EXPECT_NEAR(field.measure(probes)[0].indirect.x / bright, 0.5f, 0.01f);
 }
 
+TEST(Light, WhateverItStartsFromAWhiteCaveSettlesAtTheSame) {
+    const Context context = Context::headless();
+    SurfelCloud cloud = testing::closed_room({0, 0, 0}, {2, 2, 2}, 0.05f);
+    for (Surfel& surfel : cloud.surfels)
+        surfel.albedo = {0.99f, 0.99f, 0.99f};
+    const Octree octree = at_depth(cloud, 4);
+    const std::vector<Probe> probes = {{{0.5, 1.0, 0.0}, {0.0f, 0.0f, 1.0f}}};
+    LightField fresh(context, octree.view(), lamp_at({1.0, 1.0, 1.0}));
+    EXPECT_TRUE(fresh.converge(1e-5).settled);
+    const float truth = fresh.measure(probes)[0].indirect.x;
+    for (const float start : {1e-9f, 1e4f, 1e9f, 1e12f}) {
+        Scene bright = lamp_at({1.0, 1.0, 1.0});
+        bright.point_lights[0].radiant_intensity = {start, start, start};
+        LightField field(context, octree.view(), bright);
+        field.converge();
+        field.set_scene(lamp_at({1.0, 1.0, 1.0}));
+        EXPECT_TRUE(field.converge(1e-5).settled) << start;
+        EXPECT_NEAR(field.measure(probes)[0].indirect.x / truth, 1.0f, 0.01f) << start;
+    }
+}
+
+TEST(Light, WhatIsNoNumberInAFileDoesNotSpread) {
+    const Context context = Context::headless();
+    Octree octree = at_depth(testing::dogleg(0.1f), 4);
+    const float nan = std::nanf(""), infinite = INFINITY;
+    for (std::size_t i = 0; i + 7 < octree.lobes.size(); i += 40) {
+        octree.lobes[i].albedo[1] = nan;
+        octree.lobes[i + 1].albedo[0] = infinite;
+        octree.lobes[i + 2].ndf[2] = nan;
+        octree.lobes[i + 3].position[0] = nan;
+        octree.lobes[i + 4].position[2] = infinite;
+        octree.lobes[i + 5].plane_sigma = nan;
+        octree.lobes[i + 6].spacing = infinite;
+        octree.lobes[i + 7].ndf[0] = infinite;
+    }
+    std::vector<Probe> probes;
+    for (int i = 0; i < 40; ++i)
+        probes.push_back({{0.1 * i, 0.37, 0.0}, {0.0f, 0.0f, 1.0f}});
+    for (const Gather gather : {Gather::kLinks, Gather::kCones}) {
+        LightField field(context, octree.view(), lamp_at({0.5, 0.5, 0.5}),
+                         {.gather = gather, .links = 16});
+        EXPECT_TRUE(field.converge(1e-3).settled);
+        int lit = 0;
+        for (const ProbeResult& result : field.measure(probes)) {
+            for (int c = 0; c < 3; ++c) {
+                EXPECT_TRUE(std::isfinite(result.direct[c]));
+                EXPECT_TRUE(std::isfinite(result.indirect[c]));
+            }
+            lit += result.indirect.y > 0.0f;
+        }
+        EXPECT_GT(lit, 20);
+    }
+}
+
 TEST(Light, BakedLinksGiveTheSameLightAsTracedOnes) {
     const Context context = Context::headless();
     Octree octree = at_depth(testing::dogleg(0.1f), 4);
