@@ -53,7 +53,7 @@ TEST(Light, BehindTheBendItIsBlackWithoutBouncesAndLitWithThem) {
 TEST(Light, TheGpuTracesTheLinksThatTheCpuDoes) {
     const Context context = Context::headless();
     const Octree octree = at_depth(testing::dogleg(0.05f), 5);
-    const LightSettings settings{.links = 16, .trace_on = TraceOn::kGpu};
+    const LightSettings settings{.links = 16, .run_on = RunOn::kGpu};
     LightField field(context, octree.view(), lamp_at({0.5, 0.5, 0.5}), settings);
     field.prepare();
     const auto from_gpu = field.links().read();
@@ -86,8 +86,10 @@ TEST(Light, TheGpuMeasuresWhatTheFormulasOnTheCpuSay) {
         probes.push_back({{3.31, along, 1.0}, {0.0f, 0.0f, -1.0f}});
         probes.push_back({{4.0, along, 0.41}, {-1.0f, 0.0f, 0.0f}});
     }
-    for (const bool tricubic : {false, true}) {
-        LightField field(context, octree.view(), scene, {.links = 16, .tricubic = tricubic});
+    for (const RunOn run_on : {RunOn::kCpu, RunOn::kGpu, RunOn::kFaster}) {
+        const bool tricubic = run_on != RunOn::kFaster;
+        LightField field(context, octree.view(), scene,
+                         {.links = 16, .tricubic = tricubic, .run_on = run_on});
         field.iterate(3);
         const auto measured = field.measure(probes);
 
@@ -253,7 +255,7 @@ TEST(Light, BakedLinksGiveTheSameLightAsTracedOnes) {
     traced.iterate(2);
     octree.links = trace_links(octree.view(), {.rays = 128});
     octree.links_per_lobe = 128;
-    LightField baked(context, octree.view(), scene, {.trace_on = TraceOn::kGpu});
+    LightField baked(context, octree.view(), scene, {.run_on = RunOn::kGpu});
     baked.iterate(2);
     const auto a = traced.read_indirect();
     const auto b = baked.read_indirect();

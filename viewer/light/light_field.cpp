@@ -113,7 +113,7 @@ void LightField::gather() {
         cones_->filter();
         cones_->gather();
     } else {
-        links_.gather();
+        links_.gather(radiance_, gathered_);
     }
 }
 
@@ -126,6 +126,13 @@ void LightField::publish(bool smooth) {
         set_uniform(light_gradient_, 1, static_cast<std::uint32_t>(lobes));
         set_uniform(light_gradient_, 2, 0u);
         light_gradient_.dispatch(lobes, kGroup);
+        return;
+    }
+    if (const LinkRows* rows = links_.on_cpu()) {
+        auto lights = light_gradients(*rows, octree_.lobes, radiance_.read<gpu::vec4>(lobes),
+                                      indirect_.read<gpu::vec4>(lobes));
+        if (smooth) lights = smoothed(octree_, lights);
+        lit_.write(lights);
         return;
     }
     links_.over_blocks(light_gradient_);

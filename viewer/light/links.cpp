@@ -15,44 +15,45 @@ constexpr std::uint32_t kRaysAtOnce = 16;  // a dispatch stays short enough for 
 
 GpuLinks::GpuLinks(const Context& context, const OctreeView& octree, const LightSettings& settings,
                    const Progress& progress)
-    : rays_(std::clamp(settings.links, 1u, 1024u)),
-      lobes_(static_cast<std::uint32_t>(octree.lobes.size())),
-      bounce_({"bounce.comp"}) {
-    const std::size_t row_bytes = rays_ * sizeof(std::uint32_t);
-    const std::size_t most = static_cast<std::size_t>(context.device().max_storage_bytes);
+    : lobes_(static_cast<std::uint32_t>(octree.lobes.size())) {
+    rows_.rays = std::clamp(settings.links, 1u, 1024u);
+    const bool baked = octree.links_per_lobe >= rows_.rays && !octree.links.empty();
+    const bool software = context.device().software;
+    const bool on_gpu =
+        settings.run_on == RunOn::kGpu || (settings.run_on == RunOn::kFaster && !software);
+    if (on_gpu) {
+        bounce_ = Program({"bounce.comp"});
+        make_blocks(context);
+        if (!baked) {
+            trace(progress);
+            return;
+        }
+    }
+    if (!baked) {
+        traced_ = trace_links(octree, {.rays = rows_.rays, .trace = settings.trace}, progress);
+    }
+    rows_.links = baked ? octree.links : traced_;
+    rows_.stride = baked ? octree.links_per_lobe : rows_.rays;
+    if (!on_gpu) return;
+    upload();
+    rows_.links = {};
+}
+
+void GpuLinks::make_blocks(const Context& context) {
+    const std::size_t row_bytes = rows_.rays * sizeof(std::uint32_t);
+    const auto most = static_cast<std::size_t>(context.device().max_storage_bytes);
     const std::size_t lobes_per_block = std::max<std::size_t>(1, most / row_bytes);
     for (std::size_t first = 0; first < lobes_; first += lobes_per_block) {
         const std::size_t last = std::min<std::size_t>(lobes_, first + lobes_per_block);
         blocks_.push_back({static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last),
                            Buffer("links", (last - first) * row_bytes)});
     }
+}
 
-    const bool baked = octree.links_per_lobe >= rays_ && !octree.links.empty();
-    const bool on_gpu = settings.trace_on == TraceOn::kGpu ||
-                        (settings.trace_on == TraceOn::kFaster && !context.device().software);
-    if (!baked && on_gpu) {
-        trace(progress);
-        return;
-    }
-    std::vector<std::uint32_t> traced;
-    std::uint32_t stride = octree.links_per_lobe;
-    std::span<const std::uint32_t> links = octree.links;
-    if (!baked) {
-        traced = trace_links(octree, {.rays = rays_, .trace = settings.trace}, progress);
-        links = traced;
-        stride = rays_;
-    }
+void GpuLinks::upload() {
     for (Block& block : blocks_) {
-        if (stride == rays_) {
-            block.links.write(
-                links.subspan(std::size_t{block.first_lobe} * stride,
-                              std::size_t{block.last_lobe - block.first_lobe} * stride));
-            continue;
-        }
-        for (std::uint32_t lobe = block.first_lobe; lobe < block.last_lobe; ++lobe) {
-            block.links.write(links.subspan(std::size_t{lobe} * stride, rays_),
-                              std::size_t{lobe - block.first_lobe} * rays_);
-        }
+        for (std::uint32_t lobe = block.first_lobe; lobe < block.last_lobe; ++lobe)
+            block.links.write(rows_.of(lobe), std::size_t{lobe - block.first_lobe} * rows_.rays);
     }
 }
 
@@ -62,22 +63,26 @@ void GpuLinks::trace(const Progress& progress) {
         block.links.bind_storage(BINDING_LINKS);
         set_uniform(program, 0, block.first_lobe);
         set_uniform(program, 1, block.last_lobe);
-        for (std::uint32_t ray = 0; ray < rays_; ray += kRaysAtOnce) {
+        for (std::uint32_t ray = 0; ray < rows_.rays; ray += kRaysAtOnce) {
             if (progress) progress(block.first_lobe, lobes_);
             set_uniform(program, 2, ray);
-            set_uniform(program, 3, std::min(rays_, ray + kRaysAtOnce));
+            set_uniform(program, 3, std::min(rows_.rays, ray + kRaysAtOnce));
             program.dispatch(block.last_lobe - block.first_lobe, kGroup);
         }
     }
     if (progress) progress(lobes_, lobes_);
 }
 
-void GpuLinks::gather() const {
-    over_blocks(bounce_);
+void GpuLinks::gather(const Buffer& radiance, Buffer& gathered) const {
+    if (on_cpu()) {
+        gathered.write(bounce_along(rows_, radiance.read<gpu::vec4>(lobes_)));
+    } else {
+        over_blocks(bounce_);
+    }
 }
 
 void GpuLinks::over_blocks(const Program& pass) const {
-    set_uniform(pass, 2, rays_);
+    set_uniform(pass, 2, rows_.rays);
     for (const Block& block : blocks_) {
         block.links.bind_storage(BINDING_LINKS);
         set_uniform(pass, 0, block.first_lobe);
@@ -88,9 +93,11 @@ void GpuLinks::over_blocks(const Program& pass) const {
 
 std::vector<std::uint32_t> GpuLinks::read() const {
     std::vector<std::uint32_t> all;
+    for (std::uint32_t lobe = 0; on_cpu() && lobe < lobes_; ++lobe)
+        all.insert(all.end(), rows_.of(lobe).begin(), rows_.of(lobe).end());
     for (const Block& block : blocks_) {
         const auto links = block.links.read<std::uint32_t>(
-            std::size_t{block.last_lobe - block.first_lobe} * rays_);
+            std::size_t{block.last_lobe - block.first_lobe} * rows_.rays);
         all.insert(all.end(), links.begin(), links.end());
     }
     return all;

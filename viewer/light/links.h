@@ -9,28 +9,33 @@
 #include "viewer/gpu/context.h"
 #include "viewer/gpu/objects.h"
 #include "viewer/gpu/program.h"
+#include "viewer/light/bounce.h"
 #include "viewer/light/settings.h"
 
 namespace glowworm {
 
-/// Which lobe each gather ray meets (octree/links.h), in GPU memory: rows of `rays` links in blocks
-/// of lobes, each small enough to be bound.
+/// Which lobe each gather ray meets (octree/links.h). Where OpenGL runs on the CPU they stay in the
+/// process' memory, baked ones in the mapped file; else they are in GPU memory, rows of `rays`
+/// links in blocks of lobes, each small enough to be bound.
 class GpuLinks {
   public:
     GpuLinks() = default;
     /// Takes the octree's baked links where they have at least as many rays, else traces them: on
-    /// all CPU cores where OpenGL runs on the CPU, else on the GPU, whose octree is bound.
+    /// all CPU cores where OpenGL runs on the CPU, else on the GPU, whose octree is bound. The
+    /// octree must outlive it.
     GpuLinks(const Context& context, const OctreeView& octree, const LightSettings& settings,
              const Progress& progress);
 
-    bool empty() const { return blocks_.empty(); }
-    std::uint32_t rays() const { return rays_; }
+    bool empty() const { return blocks_.empty() && rows_.links.empty(); }
+    std::uint32_t rays() const { return rows_.rays; }
+    /// Links in the process' memory; nothing where the GPU has them.
+    const LinkRows* on_cpu() const { return rows_.links.empty() ? nullptr : &rows_; }
 
-    /// gathered = pi times the mean radiance over each lobe's links. Radiance is bound at
-    /// BINDING_RADIANCE, what is gathered at BINDING_SCRATCH_B.
-    void gather() const;
-    /// Runs `pass` over the blocks with each one's links bound; uniforms 0, 1 and 2 are its first
-    /// lobe, its last and the rays.
+    /// gathered = pi times the mean radiance over each lobe's links, by lobes. `radiance` is bound
+    /// at BINDING_RADIANCE, `gathered` at BINDING_SCRATCH_B.
+    void gather(const Buffer& radiance, Buffer& gathered) const;
+    /// Runs `pass` over the GPU's blocks with each one's links bound; uniforms 0, 1 and 2 are its
+    /// first lobe, its last and the rays.
     void over_blocks(const Program& pass) const;
 
     /// [lobes x rays], for comparison with the CPU's.
@@ -41,10 +46,13 @@ class GpuLinks {
         std::uint32_t first_lobe, last_lobe;
         Buffer links;
     };
+    void make_blocks(const Context& context);
+    void upload();
     void trace(const Progress& progress);
 
-    std::uint32_t rays_ = 0;
     std::uint32_t lobes_ = 0;
+    LinkRows rows_;
+    std::vector<std::uint32_t> traced_;
     std::vector<Block> blocks_;
     Program bounce_;
 };

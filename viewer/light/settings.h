@@ -13,8 +13,8 @@ enum class Gather {
     kCones,  ///< by cones through the filtered octree
 };
 
-/// Where gather rays are traced.
-enum class TraceOn {
+/// Where gather rays are traced and light goes along them.
+enum class RunOn {
     kFaster,  ///< the CPU where OpenGL runs on it too, else the GPU
     kCpu,
     kGpu,
@@ -28,7 +28,7 @@ struct LightSettings {
     bool faithful = false;    ///< cones exactly as the 2016 paper's configuration
     bool tricubic = true;     ///< lookup between lobes; false: trilinear
     TraceSettings trace = {};
-    TraceOn trace_on = TraceOn::kFaster;
+    RunOn run_on = RunOn::kFaster;
 };
 
 }  // namespace glowworm

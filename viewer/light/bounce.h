@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "octree/octree_file.h"
+#include "shaders/gpu_layout.h"
+
+namespace glowworm {
+
+/// Twins of the passes that follow links, for where OpenGL runs on the CPU: there a pass reads a
+/// link ten times slower than compiled code does. All on all cores, the same on any number of them.
+
+/// Rows of links, one for each lobe, `stride` apart; of each the first `rays` count.
+struct LinkRows {
+    std::span<const std::uint32_t> links;
+    std::uint32_t stride = 0, rays = 0;
+
+    std::span<const std::uint32_t> of(std::size_t lobe) const {
+        return links.subspan(lobe * stride, rays);
+    }
+};
+
+/// [lobes] pi times the mean radiance over each lobe's links (bounce.comp).
+std::vector<gpu::vec4> bounce_along(const LinkRows& rows, std::span<const gpu::vec4> radiance);
+
+/// [lobes] irradiance, and how it changes as the surface turns (light_gradient.comp).
+std::vector<gpu::LobeLight> light_gradients(const LinkRows& rows, std::span<const Lobe> lobes,
+                                            std::span<const gpu::vec4> radiance,
+                                            std::span<const gpu::vec4> irradiance);
+
+/// [lobes] with the noise of each lobe's rays spread over the surface within two leaves
+/// (smooth_light.comp).
+std::vector<gpu::LobeLight> smoothed(const OctreeView& octree,
+                                     std::span<const gpu::LobeLight> lights);
+
+}  // namespace glowworm
