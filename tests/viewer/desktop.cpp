@@ -90,7 +90,8 @@ Desktop::Desktop(int width, int height, const std::filesystem::path& folder)
     : number_file_(folder / "display-number"),
       // The server picks a free number and tells it on descriptor 1. Without -noreset it would
       // start over, and refuse whoever comes then, each time its last client leaves.
-      server_({kServer, "-displayfd", "1", "-noreset", "-screen", "0",
+      // Nor does it repeat a key that a busy machine lets go late (-r).
+      server_({kServer, "-displayfd", "1", "-noreset", "-r", "-screen", "0",
                std::to_string(width) + "x" + std::to_string(height) + "x24", "-nolisten", "tcp"},
               {}, folder, number_file_) {
     // It complains on the same file of every number that is taken; the free one comes last.
@@ -98,7 +99,8 @@ Desktop::Desktop(int width, int height, const std::filesystem::path& folder)
     const bool started = wait_for([&] {
         std::ifstream said(number_file_);
         while (std::getline(said, line) &&
-               (line.empty() || line.find_first_not_of("0123456789") != std::string::npos)) {}
+               (line.empty() || line.find_first_not_of("0123456789") != std::string::npos)) {
+        }
         return bool(said);
     });
     if (!started) throw std::runtime_error("Xvfb did not start");

@@ -203,7 +203,7 @@ bool Session::draw_frame() {
 /// What stands still and was drawn coarsely becomes sharp, a tile a call; false where all is done.
 bool Session::sharpen(const WindowExtent& window) {
     const bool settled = light_->settled() && exposure_settled();
-    const bool still = resting_seconds() > kSharpenSeconds && state_.tool == Tool::kNone;
+    const bool still = resting_seconds() > kSharpenSeconds;
     if (state_.divisor == 1 || state_.layer != Layer::kPicture || !settled || !still) return false;
     if (!sharpening_.active()) {
         sharpening_.begin(canvas_.framebuffer(), drawn_.width, drawn_.height, window.width,
@@ -221,7 +221,7 @@ bool Session::sharpen(const WindowExtent& window) {
 }
 
 Session::Look Session::look() const {
-    return {state_.layer, state_.curve, state_.automatic_exposure, state_.exposure, state_.tool};
+    return {state_.layer, state_.curve, state_.automatic_exposure, state_.exposure};
 }
 
 bool Session::exposure_settled() const {

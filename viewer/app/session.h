@@ -37,13 +37,12 @@ class Session {
     std::optional<NextCave> run();
 
   private:
-    /// What a picture looks like beside what is in it, and what it is used for.
+    /// What a picture looks like, beside what is in it.
     struct Look {
         Layer layer = Layer::kPicture;
         ToneCurve curve = ToneCurve::kAgx;
         bool automatic_exposure = true;
         float exposure = 0.0f;
-        Tool tool = Tool::kNone;
         bool operator==(const Look&) const = default;
     };
 

@@ -206,6 +206,7 @@ std::optional<SurfacePoint> Session::pick(double x, double y) {
 /// The same as the whole cloud shows it at the window's own resolution, however coarse the frame
 /// is.
 std::optional<SurfacePoint> Session::pick_finely(double x, double y) {
+    if (sharpening_.active()) return pick_in_tile(x, y);
     const auto coarse = pick(x, y);
     const auto fine = pick_in_tile(x, y);
     drawn_ = {};  // the frame's surfaces are gone
