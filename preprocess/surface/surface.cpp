@@ -61,9 +61,8 @@ float median_spacing(const std::vector<LocalPlane>& planes) {
 [[noreturn]] void throw_degenerate(std::size_t points) {
     throw Error(ExitCode::kDegenerate,
                 "None of the " + std::to_string(points) +
-                    " points has enough neighbours around it for a normal: the cloud is empty, a "
-                    "line, or too sparse for the search radius; check the input or give a larger "
-                    "search radius.");
+                    " points lies on a surface: a normal needs at least 4 different points near "
+                    "each other that are not on one line; check the input cloud.");
 }
 
 /// Finds for points whose station is unknown where they were seen from. Returns what all points

@@ -70,6 +70,23 @@ TEST(BadInput, ATrajectoryThatIsNotThereOrHoldsNoPoses) {
     EXPECT_THAT(names_in(results.path()), IsEmpty());
 }
 
+TEST(BadInput, PointsThatLieOnNoSurface) {
+    const ScratchFolder folder, results;
+    std::string line, same;
+    for (int i = 0; i < 200; ++i) {
+        line += std::to_string(i * 0.01) + " 2 3\n";
+        same += "1 2 3\n";
+    }
+    write_text(folder / "line.xyz", line);
+    write_text(folder / "same.xyz", same);
+    write_text(folder / "one.xyz", "1 2 3\n");
+    write_text(folder / "two.xyz", "1 2 3\n4 5 6\n");
+    for (const char* file : {"line.xyz", "same.xyz", "one.xyz", "two.xyz"}) {
+        expect_refused(glowworm({"surface", folder / file, "-o", results / "out.ply"}), 4, "point");
+    }
+    EXPECT_THAT(names_in(results.path()), IsEmpty());
+}
+
 TEST(BadInput, AnUnknownKind) {
     const ScratchFolder folder, results;
     write_text(folder / "what.bin", std::string("\x01\x02\x03\x04 what is this\x00\xff", 19));

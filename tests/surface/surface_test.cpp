@@ -5,56 +5,18 @@
 #include <tbb/global_control.h>
 
 #include <cstring>
-#include <limits>
 
-#include "octree/error.h"
 #include "surface/accuracy.h"
+#include "surface/measure.h"
 #include "surface/shapes.h"
 
 namespace glowworm {
 namespace {
 
 using testing::Accuracy;
+using testing::measure;
 using testing::Shape;
-
-/// Makes surfels of a shape, prints and returns how true they are. Next to none of the points may
-/// be left out.
-Accuracy measure(const char* what, const Shape& shape, SurfaceReport* report_out = nullptr) {
-    SurfaceReport report;
-    const SurfelCloud cloud = make_surfels(shape.cloud, {}, &report);
-    EXPECT_GT(cloud.surfels.size(), shape.normals.size() * 999 / 1000);
-    const Accuracy accuracy =
-        testing::compare(cloud.surfels, testing::truth_of(cloud.surfels, shape));
-    testing::print(what, accuracy, report);
-    if (shape.area > 0.0) std::printf("    area of the discs: %.4f\n", accuracy.area / shape.area);
-    if (report_out) *report_out = report;
-    return accuracy;
-}
-
-/// Of unknown stations, and in a frame whose origin is nowhere near.
-Shape without_viewpoints(Shape shape) {
-    shape.cloud.origin = {300.0, 200.0, 100.0};
-    for (Station& station : shape.cloud.stations)
-        station.has_viewpoint = false;
-    return shape;
-}
-
-ExitCode code_of(const PointCloud& cloud) {
-    try {
-        make_surfels(cloud, {});
-    } catch (const Error& error) {
-        std::printf("    %s\n", error.what());
-        return error.code();
-    }
-    return ExitCode::kDone;
-}
-
-PointCloud cloud_of(std::vector<Vec3f> positions) {
-    PointCloud cloud;
-    cloud.points.positions = std::move(positions);
-    cloud.stations = {testing::station_at({0, 0, 1})};
-    return cloud;
-}
+using testing::without_viewpoints;
 
 TEST(Surface, NormalsOfASphereSeenFromInsideFaceItsMiddle) {
     const Accuracy accuracy = measure("sphere", testing::make_sphere(60000, 2.0));
@@ -117,96 +79,6 @@ TEST(Surface, FacesOfARoomMeetInASharpEdge) {
     EXPECT_GT(blunt.p95_deg, 10.0);
 }
 
-TEST(Surface, BothSidesOfACurtainThinnerThanTheNeighbourhoodFaceTheirOwnStation) {
-    for (const int n : {20000, 2000}) {  // neighbourhoods of 2 cm and of 7 cm
-        Shape curtain = testing::make_curtain(n, 0.05);
-        testing::add_noise(curtain, 0.003);
-        const Accuracy accuracy = measure("curtain", curtain);
-        EXPECT_EQ(accuracy.right_side, 1.0);
-        EXPECT_LT(accuracy.p95_deg, 3.5);
-    }
-}
-
-TEST(Surface, WithoutStationsClosedAndOpenPassagesFaceTheirInside) {
-    for (auto [name, shape] : {std::pair{"sphere", testing::make_sphere(30000, 2.0)},
-                               std::pair{"tube", testing::make_tube(30000, 1.0, 6.0)},
-                               std::pair{"room", testing::make_room(30000)}}) {
-        testing::add_noise(shape, 0.003);
-        SurfaceReport report;
-        EXPECT_GT(measure(name, without_viewpoints(shape), &report).right_side, 0.99) << name;
-        EXPECT_EQ(report.orientation, Orientation::kPropagation);
-    }
-}
-
-TEST(Surface, WithoutStationsASmallThingFacesOutward) {
-    // 20 cm across: nobody stood inside.
-    Shape ball = testing::make_sphere(20000, 0.1);
-    for (Vec3f& normal : ball.normals)
-        normal = -normal;
-    testing::add_noise(ball, 0.0003);
-    SurfaceReport report;
-    EXPECT_EQ(measure("ball", without_viewpoints(ball), &report).right_side, 1.0);
-    EXPECT_EQ(report.facing_outside, report.surfels);
-}
-
-TEST(Surface, WithoutStationsABoxInARoomFacesTheRoom) {
-    // A closed box on a wall of the room: seen alone, its inside looks like a passage, and where
-    // it stands its walls meet the floor inside as they do outside.
-    Shape shape = testing::make_room(60000);
-    testing::Random random(3);
-    for (int i = 0; i < 10000; ++i) {
-        const int face = static_cast<int>(random.uniform(0.0, 5.0));
-        Vec3d p{random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3)};
-        Vec3d normal{};
-        const int axis = face / 2;
-        const double side = face % 2 ? -1.0 : 1.0;
-        p[axis] = 0.3 * side;
-        normal[axis] = side;
-        testing::add_point(shape, p + Vec3d{0.1, 0.2, -0.7}, normal);
-    }
-    shape.area += 5 * 0.36;
-    testing::add_noise(shape, 0.003);
-    EXPECT_GT(measure("box in a room", without_viewpoints(shape)).right_side, 0.99);
-}
-
-TEST(Surface, WithoutStationsBothSidesOfACurtainFaceTheRoom) {
-    Shape shape = testing::make_room(60000);
-    const Shape curtain = testing::make_curtain(10000, 0.05);
-    for (std::size_t i = 0; i < curtain.normals.size(); ++i) {
-        const Vec3f p = curtain.cloud.points.positions[i] + Vec3f{-0.5f, 0.1f, 0.0f};
-        testing::add_point(shape, vec3_cast<double>(p), vec3_cast<double>(curtain.normals[i]));
-    }
-    shape.area += 2.0;
-    testing::add_noise(shape, 0.003);
-    EXPECT_GT(measure("curtain in a room", without_viewpoints(shape)).right_side, 0.99);
-}
-
-TEST(Surface, GroundThatNothingEnclosesFacesUp) {
-    Shape ground;
-    ground.cloud.stations = {testing::station_at({}, false)};
-    testing::Random random;
-    for (int i = 0; i < 20000; ++i) {
-        const double x = random.uniform(-5, 5), y = random.uniform(-5, 5);
-        const double slope = 0.3 * std::cos(x);
-        testing::add_point(ground, {x, y, 0.3 * std::sin(x)}, normalized(Vec3d{-slope, 0.0, 1.0}));
-    }
-    SurfaceReport report;
-    EXPECT_EQ(measure("ground", without_viewpoints(ground), &report).right_side, 1.0);
-    EXPECT_EQ(report.unsure_side, report.surfels);
-}
-
-TEST(Surface, PointsWithoutAStationFollowTheirNeighboursThatHaveOne) {
-    // A wall has no inside: only the half that a station saw can say which side is free.
-    Shape wall = testing::make_wall(10000, 2.0);
-    wall.cloud.stations.push_back(testing::station_at({0, 0, 0}, false));
-    for (std::size_t i = 0; i < wall.normals.size(); ++i) {
-        wall.cloud.points.stations[i] = wall.cloud.points.positions[i].x > 1.0f;
-    }
-    SurfaceReport report;
-    EXPECT_EQ(measure("half seen wall", wall, &report).right_side, 1.0);
-    EXPECT_EQ(report.orientation, Orientation::kMixed);
-}
-
 TEST(Surface, TheSameBytesComeFromOneThreadAndFromSeveral) {
     Shape shape = testing::make_room(20000);
     testing::add_noise(shape, 0.003);
@@ -235,64 +107,6 @@ TEST(Surface, SurfelsComeInTheOrderOfThePointsAndWithinTheirRanges) {
         EXPECT_GT(s.ndf_length, 0.0f);
         EXPECT_LE(s.ndf_length, 1.0f);
     }
-}
-
-TEST(Surface, BrokenAndDoubledPointsAreLeftOutAndCounted) {
-    Shape wall = testing::make_wall(5000, 1.0);
-    constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-    constexpr float kInf = std::numeric_limits<float>::infinity();
-    for (const Vec3f& p : {Vec3f{kNaN, 0, 0}, Vec3f{0, kInf, 0}, Vec3f{0, 0, 1e30f},
-                           wall.cloud.points.positions[7], Vec3f{0.5f, 0.5f, 400.0f}}) {
-        wall.cloud.points.positions.push_back(p);
-        wall.cloud.points.stations.push_back(0);
-    }
-    SurfaceReport report;
-    EXPECT_EQ(make_surfels(wall.cloud, {}, &report).surfels.size(), 5000u);
-    EXPECT_EQ(report.points, 5005u);
-    EXPECT_EQ(report.not_finite, 3u);
-    EXPECT_EQ(report.duplicates, 1u);
-    EXPECT_EQ(report.isolated, 1u);
-}
-
-TEST(Surface, CloudsWithoutASurfaceAreDegenerate) {
-    constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-    std::vector<Vec3f> line;
-    for (int i = 0; i < 1000; ++i)
-        line.push_back({static_cast<float>(i) * 0.01f, 0, 0});
-    EXPECT_EQ(code_of(cloud_of({})), ExitCode::kDegenerate);
-    EXPECT_EQ(code_of(cloud_of({{1, 2, 3}})), ExitCode::kDegenerate);
-    EXPECT_EQ(code_of(cloud_of(std::vector<Vec3f>(1000, Vec3f{1, 2, 3}))), ExitCode::kDegenerate);
-    EXPECT_EQ(code_of(cloud_of(std::vector<Vec3f>(10, Vec3f{kNaN, 0, 0}))), ExitCode::kDegenerate);
-    EXPECT_EQ(code_of(cloud_of(line)), ExitCode::kDegenerate);
-}
-
-TEST(Surface, FourPointsMakeASurface) {
-    const SurfelCloud cloud =
-        make_surfels(cloud_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}), {});
-    ASSERT_EQ(cloud.surfels.size(), 4u);
-    for (const Surfel& s : cloud.surfels)
-        EXPECT_GT(s.normal.z, 0.999f);
-}
-
-TEST(Surface, DensityMayVaryAThousandfold) {
-    // A wall whose points thin out from the middle as they do in front of a scanner.
-    Shape shape;
-    testing::Random random;
-    for (int i = 0; i < 40000; ++i) {
-        const double r = 0.02 * std::exp(random.uniform(0.0, 5.0));
-        const double phi = random.uniform(0.0, 2.0 * std::numbers::pi);
-        testing::add_point(shape, {r * std::cos(phi), r * std::sin(phi), 0}, {0, 0, 1});
-    }
-    shape.cloud.stations = {testing::station_at({0, 0, 1.0})};
-    testing::add_noise(shape, 0.001);
-    SurfaceReport report;
-    const SurfelCloud cloud = make_surfels(shape.cloud, {}, &report);
-    EXPECT_GT(cloud.surfels.size(), 39900u);
-    std::size_t wrong = 0;
-    for (const Surfel& s : cloud.surfels)
-        wrong += s.normal.z < 0.9f;
-    std::printf("    %zu of %zu off by more than 26 deg\n", wrong, cloud.surfels.size());
-    EXPECT_LT(wrong, 200u);
 }
 
 TEST(Surface, ProgressGrowsToTheEnd) {

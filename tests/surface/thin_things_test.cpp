@@ -120,9 +120,9 @@ TEST(ThinThings, BothSidesOfAFoldedCurtainFaceTheirOwn) {
 }
 
 TEST(ThinThings, StationsTellTheSidesOfACurtainAsThinAsThePointsAreApart) {
-    const Shape shape =
+    const Shape room =
         room_with([](Shape& shape, testing::Random& random) { add_curtain(shape, random, 0.02); });
-    EXPECT_GE(right_side("2 cm, with stations", shape), 0.999);
+    EXPECT_GE(right_side("2 cm, with stations", room), 0.999);
 }
 
 }  // namespace
