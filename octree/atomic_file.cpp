@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <utility>
@@ -22,15 +21,6 @@ namespace {
                           : "; check that the folder exists and may be written"));
 }
 
-std::filesystem::path unique_sibling(const std::filesystem::path& path) {
-    static std::atomic<unsigned> counter{0};
-    std::filesystem::path sibling = path;
-    sibling.replace_filename("." + path.filename().string() + "." + std::to_string(::getpid()) +
-                             "." + std::to_string(counter++) + ".partial" +
-                             path.extension().string());
-    return sibling;
-}
-
 std::filesystem::path folder_of(const std::filesystem::path& path) {
     return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
 }
@@ -38,9 +28,10 @@ std::filesystem::path folder_of(const std::filesystem::path& path) {
 }  // namespace
 
 AtomicFile::AtomicFile(std::filesystem::path final_path)
-    : final_path_(std::move(final_path)), temporary_path_(unique_sibling(final_path_)) {
+    : final_path_(std::move(final_path)), temporary_path_(final_path_) {
+    temporary_path_.replace_filename(partial_name(final_path_.filename()));
     if (std::filesystem::is_directory(final_path_)) throw_write_error(final_path_, EISDIR);
-    remove_stale(folder_of(final_path_), "." + final_path_.filename().string() + ".", ".partial");
+    remove_stale_partials(folder_of(final_path_));
     descriptor_ = ::open(temporary_path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
     if (descriptor_ < 0) throw_write_error(final_path_, errno);
     hold(descriptor_);

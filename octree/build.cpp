@@ -72,7 +72,7 @@ double radius_from_spacing(std::span<const CodeIndex> order, const Grid& grid) {
 }
 
 void pack_surfels(std::span<const Surfel> surfels, std::span<const CodeIndex> order,
-                  Octree& octree) {
+                  SharedProgress& progress, Octree& octree) {
     const std::vector<SurfelRange> ranges = split_into_chunks(order);
     octree.chunks.resize(ranges.size());
     octree.surfels.resize(order.size());
@@ -82,6 +82,7 @@ void pack_surfels(std::span<const Surfel> surfels, std::span<const CodeIndex> or
             pack_chunk(surfels, order.subspan(range.begin, range.size()), octree.grid,
                        std::span(octree.surfels).subspan(range.begin, range.size()));
         octree.chunks[i].first = static_cast<std::uint32_t>(range.begin);
+        progress.add(range.size());
     });
 }
 
@@ -213,7 +214,8 @@ Octree build_octree(SurfelCloud cloud, const BuildSettings& settings, const Prog
     report(1);
 
     // 2. Leaves, and the levels over them.
-    Leaves leaves = voxelize(surfels, order, octree.grid, tile);
+    SharedProgress splatting(progress, 2 * surfels.size(), 0.2, 0.6, total);
+    Leaves leaves = voxelize(surfels, order, octree.grid, tile, splatting);
     if (leaves.codes.empty()) {
         throw Error(ExitCode::kDegenerate, "the tile has no points and no surface");
     }
@@ -227,7 +229,8 @@ Octree build_octree(SurfelCloud cloud, const BuildSettings& settings, const Prog
 
     // 3. Points.
     const std::span<const CodeIndex> own = entries_in(order, tile);
-    pack_surfels(surfels, own, octree);
+    SharedProgress packing(progress, own.size(), 0.8, 1.0, total);
+    pack_surfels(surfels, own, packing, octree);
     octree.sample_count = own.size();
     octree.dropped_count = summary.dropped;
     octree.bounds_min = summary.bounds_min;

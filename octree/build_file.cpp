@@ -1,16 +1,14 @@
 #include "octree/build_file.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include "octree/error.h"
-#include "octree/file_size.h"
 #include "octree/join.h"
 #include "octree/octree_writer.h"
+#include "octree/resident_memory.h"
+#include "octree/size_estimate.h"
 #include "octree/spill.h"
 #include "octree/tiling.h"
 
@@ -21,13 +19,6 @@ constexpr std::uint64_t kMegabyte = 1000000;
 constexpr std::uint64_t kLeastRoom = 48 * kMegabyte;     ///< for a tile and the buffers
 constexpr std::uint64_t kOwnBytes = 24 * kMegabyte;      ///< blocks being read, threads, joining
 constexpr std::uint64_t kProgramBytes = 64 * kMegabyte;  ///< code and libraries, before any work
-
-/// What this program occupies now.
-std::uint64_t resident_bytes() {
-    std::uint64_t total = 0, resident = 0;
-    std::ifstream("/proc/self/statm") >> total >> resident;
-    return resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-}
 
 /// Passes over a stream, each telling how far it is of all of them.
 class Passes {
@@ -99,7 +90,7 @@ BuildFileReport build_at_once(const SurfelStream& stream, const BuildSettings& s
         // The automatic depth makes no leaves smaller than the samples.
         const CloudSummary summary = summarize(cloud.surfels);
         if (summary.usable > 0)
-            require_room(estimate_size(summary, fit_grid(summary, cloud.origin, settings)), path);
+            require_room(summary, fit_grid(summary, cloud.origin, settings), true, path);
     }
     BuildFileReport report;
     Octree octree = build_octree(std::move(cloud), settings, progress);
@@ -136,7 +127,7 @@ class LimitedBuild {
             return build_at_once(stream_, settings_, path_, progress_);
         require_radii();
         settings_.grid = fit_grid(summary_, stream_.origin, settings_);
-        if (!settings_.tile) require_room(estimate_size(summary_, *settings_.grid), path_);
+        if (!settings_.tile) require_room(summary_, *settings_.grid, !limited(), path_);
 
         CellWeights weights(*settings_.grid, root_);
         passes_.run_usable(summary_, [&](const Surfel& s) { weights.add(s); });
@@ -255,7 +246,6 @@ class LimitedBuild {
 }  // namespace
 
 std::uint64_t memory_to_build(std::uint64_t surfels) {
-    constexpr std::uint64_t kBytesPerSurfel = 240;  // as in tiling.cpp, where discs are small
     return kProgramBytes + kOwnBytes + surfels * kBytesPerSurfel;
 }
 

@@ -100,7 +100,8 @@ void CloudSummarizer::add(std::span<const Surfel> batch) {
 
 CloudSummary CloudSummarizer::finish() const {
     CloudSummary summary = sum_;
-    std::vector<float> radii = radii_;
+    std::vector<float>& radii = summary.radii;
+    radii = radii_;
     std::erase_if(radii, [](float r) { return std::isnan(r); });
     if (!radii.empty()) {
         const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);

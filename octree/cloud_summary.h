@@ -15,7 +15,8 @@ struct CloudSummary {
     std::uint64_t dropped = 0;     ///< not finite, or without a normal
     bool needs_repair = false;     ///< a radius is missing or a value out of its range
     bool radius_missing = false;
-    double median_radius = 0.0;  ///< m, of those that have one; 0 where none has
+    std::vector<float> radii = {};  ///< m, of some usable surfels, spread evenly over them
+    double median_radius = 0.0;     ///< m, of those that have one; 0 where none has
 
     /// Area of the median sample, as the edge of a square, m.
     double median_spacing() const;

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
+#include "octree/error.h"
 #include "octree/vec3.h"
 
 namespace glowworm {
@@ -99,10 +101,16 @@ NodeTree build_nodes(const Grid& grid, std::span<const std::uint64_t> leaf_codes
         }
     }
 
-    std::uint32_t total = 0;
+    std::uint64_t total = 0;
     for (const auto& level : codes) {
-        tree.levels.push_back({total, static_cast<std::uint32_t>(level.size())});
-        total += static_cast<std::uint32_t>(level.size());
+        tree.levels.push_back(
+            {static_cast<std::uint32_t>(total), static_cast<std::uint32_t>(level.size())});
+        total += level.size();
+    }
+    constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
+    if (total > kMost || lobes.size() > kMost) {
+        throw Error(ExitCode::kBudget,
+                    "an octree of more than 4294967295 nodes or lobes; build it less deep");
     }
     tree.nodes.resize(total);
     tree.attributes.resize(total);

@@ -18,4 +18,11 @@ bool is_held(const std::filesystem::path& path);
 void remove_stale(const std::filesystem::path& folder, const std::string& prefix,
                   const std::string& mark = {});
 
+/// Removes in the same way what killed programs left of files with names such as partial_name
+/// makes: once for each folder in the life of this program, however many files it writes there.
+void remove_stale_partials(const std::filesystem::path& folder);
+
+/// A name for the unfinished file of `name`, another one each time: ".name.PID.N.partial.ending".
+std::string partial_name(const std::filesystem::path& name);
+
 }  // namespace glowworm

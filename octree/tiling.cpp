@@ -1,18 +1,18 @@
 #include "octree/tiling.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <string>
 
 #include "octree/error.h"
+#include "octree/size_estimate.h"
 #include "octree/splat.h"
 
 namespace glowworm {
 namespace {
 
-constexpr std::uint64_t kBytesPerSurfel = 240;  ///< measured, with a leaf to each and some room
-constexpr std::uint64_t kBytesPerLeaf = 260;    ///< node, attributes, lobes and their copies
-constexpr std::uint32_t kLevelsDown = 7;        ///< 2 million cells are weighed
+constexpr std::uint32_t kLevelsDown = 7;  ///< 2 million cells are weighed
 
 std::uint64_t full_code_of(const Surfel& surfel, const Grid& grid) {
     return grid.code_of(vec3_cast<double>(surfel.position));
@@ -25,7 +25,11 @@ std::uint64_t bytes_to_build(const Surfel& surfel, const Grid& grid) {
     // A disc meets about two leaves for each voxel face of its area, and each piece at most one.
     const double faces = 3.15 * splat.radius * splat.radius;
     const auto leaves = static_cast<std::uint64_t>(std::min<double>(splat.pieces - 1, 2.0 * faces));
-    return kBytesPerSurfel + leaves * kBytesPerLeaf;
+    // Where pieces lie several leaves apart, each hangs from a chain of nodes.
+    const double apart = std::sqrt(faces / splat.pieces);
+    const double chain = std::max(0.0, std::ceil(std::log2(std::max(apart, 1.0))));
+    return kBytesPerSurfel +
+           leaves * (kBytesPerLeaf + static_cast<std::uint64_t>(chain) * kBytesPerNode);
 }
 
 CellWeights::CellWeights(const Grid& grid, const OctreeCell& root)
@@ -71,8 +75,8 @@ void Tiling::cut(const CellWeights& weights, OctreeCell cell, std::uint64_t capa
         throw Error(ExitCode::kBudget,
                     "the points of one cell of the octree need about " +
                         std::to_string((sum * 4 / 3 + fixed) / 1000000 + 1) +
-                        " MB of memory, more than the limit; raise --memory-limit or thin the "
-                        "points");
+                        " MB of memory, more than the limit; raise --memory-limit, build it less "
+                        "deep or thin the points");
     }
     std::fill(tile_of_cell_.begin() + first, tile_of_cell_.begin() + end,
               static_cast<std::uint32_t>(tiles_.size()));

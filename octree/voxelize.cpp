@@ -183,13 +183,14 @@ std::span<const CodeIndex> entries_in(std::span<const CodeIndex> order, const Oc
 }
 
 Leaves voxelize(std::span<const Surfel> surfels, std::span<const CodeIndex> order, const Grid& grid,
-                const OctreeCell& tile) {
+                const OctreeCell& tile, SharedProgress& progress) {
     // 1. Where discs reach into other leaves than their own.
     const std::vector<Block> blocks = cut_into_blocks(order, entries_in(order, tile), grid);
     std::vector<PieceSet> own(order.size());
     std::vector<Strays> strays(blocks.size());
     tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
         strays[b] = cut_discs(surfels, blocks[b], grid, tile, own);
+        progress.add(blocks[b].end - blocks[b].begin);
     });
     const std::vector<CodeIndex> far = gather_far(strays);
 
@@ -201,6 +202,7 @@ Leaves voxelize(std::span<const Surfel> surfels, std::span<const CodeIndex> orde
         parts[b] = sweep(surfels, order, block, grid, own, StrayQueue(strays[b].near),
                          StrayQueue(run_of(far, block.first_code, block.past_code)));
         strays[b] = {};
+        progress.add(block.end - block.begin);
     });
     return joined(parts);
 }

@@ -6,9 +6,9 @@
 #include "octree/area_lights.h"
 #include "octree/build_file.h"
 #include "octree/error.h"
-#include "octree/file_size.h"
 #include "octree/links.h"
 #include "octree/octree_writer.h"
+#include "octree/size_estimate.h"
 #include "octree/spill.h"
 #include "preprocess/command/command.h"
 #include "preprocess/command/grid_file.h"
@@ -17,8 +17,6 @@
 
 namespace glowworm {
 namespace {
-
-constexpr double kBytesPerFurtherLeaf = 260.0;  ///< memory, as in tiling.cpp, beyond one a point
 
 struct BuildCommandFlags {
     std::filesystem::path input;
@@ -150,13 +148,11 @@ nlohmann::ordered_json plan_build(Run& run, const BuildCommandFlags& flags) {
     const auto samples = static_cast<double>(summary.usable);
     const double voxel = grid.voxel_size();
     const SizeEstimate size = estimate_size(summary, grid);
-    const std::uint64_t bytes = size.bytes;
-    const std::uint64_t memory =
-        memory_to_build(summary.usable) +
-        static_cast<std::uint64_t>(kBytesPerFurtherLeaf * std::max(0.0, size.leaves - samples));
+    const std::uint64_t bytes = size.disk;
+    const std::uint64_t memory = memory_to_build(0) + size.memory;
     const bool spills = run.flags.memory_limit > 0 && memory > run.flags.memory_limit;
     const std::uint64_t temporary = spills ? bytes + summary.usable * sizeof(Surfel) * 5 / 4 : 0;
-    const double seconds = samples * (spills ? 2e-6 : 1e-6);
+    const double seconds = (samples + size.leaves) * (spills ? 2e-6 : 1e-6);
     spdlog::info("depth {}, leaves of {:.1f} cm; {} of memory, {} on disk, about {:.0f} s",
                  grid.depth, voxel * 100.0, format_bytes(spills ? run.flags.memory_limit : memory),
                  format_bytes(bytes + temporary), seconds);
@@ -166,7 +162,7 @@ nlohmann::ordered_json plan_build(Run& run, const BuildCommandFlags& flags) {
             "distance; a smaller --depth shows as much",
             size.leaves / samples);
     }
-    require_room(size, run.flags.output);
+    require_room(summary, grid, run.flags.memory_limit == 0, run.flags.output);
     return {{"samples", summary.usable},
             {"dropped", summary.dropped + stream.dropped},
             {"depth", grid.depth},

@@ -1,6 +1,7 @@
 #include "octree/extract.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 
@@ -65,6 +66,11 @@ nlohmann::ordered_json run_extract(Run& run, const ExtractFlags& flags) {
     const Octree cut =
         cut_box(file.view(), {vec3_cast<float>(low - origin), vec3_cast<float>(high - origin)});
     file.require_intact();
+    if (file.view().links_per_lobe > 0) {
+        spdlog::warn(
+            "the part is written without links: those of the whole lead out of it; the viewer "
+            "traces its own");
+    }
     write_octree_file(cut.view(), output, {.progress = run.console.phase("write", "bytes")});
     return {{"output", output.string()},
             {"leaves", cut.levels.back().node_count},
@@ -83,7 +89,7 @@ void add_extract_command(Program& program) {
         ->check(CLI::Range(0u, kMaxDepth));
     command
         ->add_option("--box", flags->box,
-                     "x y z of both corners, m, world: write this part as an .svo")
+                     "x y z of both corners, m, world: write this part as an .svo, without links")
         ->expected(6)
         ->check(finite(-1e12, 1e12));
 }

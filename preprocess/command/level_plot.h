@@ -20,7 +20,8 @@ struct LevelHistograms {
 /// [depth + 1], from the root down. Reads nothing outside the spans, whatever they hold.
 std::vector<LevelHistograms> measure_levels(const OctreeView& octree);
 
-/// A row for each level, a panel for each histogram, each panel's highest bar as high as the row.
+/// A row for each level, a panel for each histogram. Each panel says how many nodes its highest bar
+/// stands for, and over what its bars lie.
 Picture plot_levels(const std::vector<LevelHistograms>& levels);
 
 }  // namespace glowworm

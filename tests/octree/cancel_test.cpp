@@ -1,13 +1,10 @@
 // Work that is cancelled at any of its reports leaves nothing behind.
 
-#include <unistd.h>
-
-#include <fstream>
-
 #include "clouds.h"
 #include "octree/build_file.h"
 #include "octree/join.h"
 #include "octree/octree_writer.h"
+#include "octree/resident_memory.h"
 #include "testing.h"
 
 namespace glowworm {
@@ -64,12 +61,6 @@ TEST(Cancel, BuildingAtOnceLeavesNothing) {
         build_octree_file(stream_of(cloud), {.depth = 5}, {}, folder / "a.svo", progress);
     });
     EXPECT_GE(heard, 10);
-}
-
-std::uint64_t resident_bytes() {
-    std::uint64_t total = 0, resident = 0;
-    std::ifstream("/proc/self/statm") >> total >> resident;
-    return resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
 TEST(Cancel, BuildingInTilesLeavesNothing) {

@@ -1,10 +1,12 @@
 #include "viewer/app/cave.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
-#include "octree/check.h"
+#include "octree/checksums.h"
 #include "octree/coarsen.h"
 #include "octree/error.h"
+#include "octree/structure.h"
 
 namespace glowworm {
 
@@ -18,6 +20,13 @@ Cave open_cave(const std::filesystem::path& path, std::optional<std::uint32_t> l
                                 "it, `glowworm build` makes it anew",
                                 path.string(), failures.front()));
     }
+    // All of it is about to be read for the GPU: comparing checksums costs some GB a second more.
+    // What was changed but stays inside can be looked at.
+    for (const std::string& damage : check_checksums(cave.file)) {
+        spdlog::warn("'{}' is damaged: {}; what is shown of it may be wrong", path.string(),
+                     damage);
+    }
+    cave.file.require_intact();
     const std::uint32_t depth = cave.points().grid.depth;
     if (light_depth && *light_depth > depth) {
         throw Error(ExitCode::kUsage,

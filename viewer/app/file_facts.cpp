@@ -1,32 +1,29 @@
 #include "viewer/app/file_facts.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <fstream>
+#include "octree/checksums.h"
 
 namespace glowworm {
 
 std::string file_facts(const std::filesystem::path& path, const Cave& cave) {
     const OctreeView& octree = cave.points();
     const Vec3f size = octree.bounds_max - octree.bounds_min;
+    std::string damage;
+    for (const std::string& sentence : check_checksums(cave.file))
+        damage += "\nDAMAGED: " + sentence;
     return fmt::format(
-        "{}, {:.1f} MB\n{} points of {} stations\n{:.1f} x {:.1f} x {:.1f} m\n"
-        "depth {}, voxels of {:.1f} mm\n{} nodes, {} lobes, light at depth {}\n"
-        "{} area lights, {}",
-        path.filename().string(), double(cave.file.bytes()) / 1e6, octree.surfels.size(),
-        octree.stations.size(), size.x, size.y, size.z, octree.grid.depth,
-        double(octree.grid.voxel_size()) * 1e3, octree.nodes.size(), octree.lobes.size(),
-        cave.light().grid.depth, octree.area_lights.size(),
-        octree.links_per_lobe > 0 ? fmt::format("{} links a lobe baked", octree.links_per_lobe)
-                                  : std::string("links not baked"));
-}
-
-std::uint64_t resident_bytes() {
-    std::ifstream statm("/proc/self/statm");
-    std::uint64_t total = 0, resident = 0;
-    if (!(statm >> total >> resident)) return 0;
-    return resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+               "{}, {:.1f} MB\n{} points of {} stations\n{:.1f} x {:.1f} x {:.1f} m\n"
+               "depth {}, voxels of {:.1f} mm\n{} nodes, {} lobes, light at depth {}\n"
+               "{} area lights, {}",
+               path.filename().string(), double(cave.file.bytes()) / 1e6, octree.surfels.size(),
+               octree.stations.size(), size.x, size.y, size.z, octree.grid.depth,
+               double(octree.grid.voxel_size()) * 1e3, octree.nodes.size(), octree.lobes.size(),
+               cave.light().grid.depth, octree.area_lights.size(),
+               octree.links_per_lobe > 0
+                   ? fmt::format("{} links a lobe baked", octree.links_per_lobe)
+                   : std::string("links not baked")) +
+           damage;
 }
 
 }  // namespace glowworm

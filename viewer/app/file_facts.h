@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -10,8 +9,5 @@ namespace glowworm {
 
 /// What is in an octree file, a line each, for people.
 std::string file_facts(const std::filesystem::path& path, const Cave& cave);
-
-/// Memory that this program holds, bytes; 0 where the system does not say.
-std::uint64_t resident_bytes();
 
 }  // namespace glowworm

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "viewer/app/file_facts.h"
+#include "octree/resident_memory.h"
 #include "viewer/app/panel.h"
 #include "viewer/app/photometry.h"
 

@@ -1,0 +1,107 @@
+#include "octree/size_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "octree/error.h"
+#include "octree/node_layout.h"
+#include "octree/resident_memory.h"
+#include "octree/splat.h"
+
+namespace glowworm {
+namespace {
+
+constexpr double kMostNodes = std::numeric_limits<std::uint32_t>::max();
+
+struct Room {
+    std::uint64_t disk, memory;
+    bool holds(const SizeEstimate& size) const {
+        return size.disk <= disk && size.memory <= memory && size.nodes <= kMostNodes;
+    }
+};
+
+std::string in_gigabytes(std::uint64_t bytes) {
+    return std::to_string(bytes / 1000000000) + "." + std::to_string(bytes / 100000000 % 10) +
+           " GB";
+}
+
+/// The deepest octree over the same cube that fits, as advice.
+std::string what_fits(const CloudSummary& summary, Grid grid, const Room& room) {
+    while (grid.depth-- > 1) {
+        if (room.holds(estimate_size(summary, grid)))
+            return "--depth " + std::to_string(grid.depth) + " fits";
+    }
+    return "thin the points";
+}
+
+}  // namespace
+
+SizeEstimate estimate_size(const CloudSummary& summary, const Grid& grid) {
+    constexpr double kLobesPerLeaf = 1.2;  // measured on scans
+    const auto samples = static_cast<double>(summary.usable);
+    const double voxel = grid.voxel_size();
+    double most = samples, area = 0.0;
+    if (!summary.radii.empty()) {
+        double pieces = 0.0;
+        for (const float radius : summary.radii) {
+            pieces += splat_of(radius / voxel).pieces;
+            area += std::numbers::pi * radius * radius;
+        }
+        const double each = samples / static_cast<double>(summary.radii.size());
+        most = pieces * each;
+        area *= each;
+    }
+
+    SizeEstimate size;
+    double edge = grid.cube_edge;
+    for (std::uint32_t level = 0; level <= grid.depth; ++level, edge *= 0.5) {
+        // A surface crosses about twice as many cells as it covers cell faces.
+        size.leaves = std::clamp(2.0 * area / (edge * edge), 1.0, most);
+        size.nodes += size.leaves;
+    }
+    size.disk = static_cast<std::uint64_t>(samples * sizeof(PackedSurfel) +
+                                           size.nodes * (sizeof(Node) + sizeof(NodeAttributes)) +
+                                           size.leaves * kLobesPerLeaf * sizeof(Lobe));
+    size.memory = static_cast<std::uint64_t>(
+        samples * kBytesPerSurfel + std::max(0.0, size.leaves - samples) * kBytesPerLeaf +
+        std::max(0.0, size.nodes - 1.5 * std::max(size.leaves, samples)) * kBytesPerNode);
+    return size;
+}
+
+void require_room(const CloudSummary& summary, const Grid& grid, bool at_once,
+                  const std::filesystem::path& path) {
+    constexpr std::uint64_t kAny = std::numeric_limits<std::uint64_t>::max();
+    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+    std::error_code failed;
+    const std::filesystem::space_info space = std::filesystem::space(folder, failed);
+    const std::uint64_t memory = at_once ? available_bytes() + resident_bytes() : 0;
+    const Room room{failed ? kAny : space.available, memory > 0 ? memory : kAny};
+
+    // An estimate: only what is sure not to do is refused.
+    const SizeEstimate size = estimate_size(summary, grid);
+    const std::string octree = "an octree of depth " + std::to_string(grid.depth);
+    const std::string instead = "; " + what_fits(summary, grid, room);
+    if (size.nodes / 2.0 > kMostNodes) {
+        throw Error(ExitCode::kBudget,
+                    octree +
+                        " over these points has more nodes than 4294967295, the most that a "
+                        "file holds" +
+                        instead);
+    }
+    if (size.disk / 2 > room.disk) {
+        throw Error(ExitCode::kBudget, octree + " takes about " + in_gigabytes(size.disk) +
+                                           " on disk, but '" + folder.string() + "' has " +
+                                           in_gigabytes(room.disk) + " left" + instead);
+    }
+    if (size.memory / 2 > room.memory) {
+        throw Error(ExitCode::kBudget,
+                    octree + " takes about " + in_gigabytes(size.memory) +
+                        " of memory to build at once, but " + in_gigabytes(room.memory) +
+                        " are left; --memory-limit builds it in parts" + instead);
+    }
+}
+
+}  // namespace glowworm
