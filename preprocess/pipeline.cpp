@@ -148,6 +148,7 @@ class Stages {
     }
 
     void octree() {
+        const GiveBackMemory afterwards;
         const std::filesystem::path file = octree_part(work_);
         if (load_report(work_, "built", keys_.octree, done) && is_sound(file)) {
             registered_(done.registration);

@@ -2,25 +2,49 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <functional>
+#include <numeric>
+
 #include "preprocess/command/command.h"
 #include "preprocess/command/convert_flags.h"
+#include "preprocess/command/plan.h"
 #include "preprocess/pipeline/work_folder.h"
 
 namespace glowworm {
 namespace {
 
+constexpr double kReadError = 0.25;  // the share by which the prediction may be too high
+
+/// Refuses what cannot fit: as many of the largest files as are read at a time.
+void require_budget_for_files(const SharedFlags& flags,
+                              std::span<const std::filesystem::path> files,
+                              const ReadSettings& read) {
+    std::vector<std::uint64_t> points;
+    for (const std::filesystem::path& file : files)
+        points.push_back(announced_work(std::span(&file, 1), read).points);
+    std::ranges::sort(points, std::greater());
+    points.resize(std::min(points.size(), static_cast<std::size_t>(thread_count(flags))));
+    Workload work;
+    work.points = std::accumulate(points.begin(), points.end(), std::uint64_t{0});
+    work.error = kReadError;
+    require_budget(flags, predict(work), Reach::kRegister);
+}
+
 /// The first stage of `convert`, for some of its scans.
 nlohmann::ordered_json run_ingest(Run& run, ConvertFlags flags) {
     const auto files = find_scan_files(flags.inputs);
     require_distinct(run.flags.output, files);
+    require_budget_for_files(run.flags, files, flags.settings.read);
     const std::vector<ScanInput> inputs = describe_scans(files);
     const WorkFolder work(run.flags.output, run.flags.temp_dir, WorkFolder::Hold::kShared);
 
     std::vector<std::string> keys;
     for (const ScanInput& input : inputs)
         keys.push_back(ingest_key(input, flags.settings));
-    const std::vector<Ingested> all = ingest_all(files, {flags.settings.read, flags.settings.clean},
-                                                 run.console.phase("read", "files"), &work, keys);
+    const std::vector<Ingested> all =
+        ingest_into(work, files, {flags.settings.read, flags.settings.clean},
+                    run.console.phase("read", "files"), keys);
     run.console.end_phase();
 
     nlohmann::ordered_json scans = nlohmann::ordered_json::array();

@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::size_t kLeastCells = 24;
 constexpr std::uint32_t kDeepest = 7;
+constexpr double kLeastStride = 2.5;  // less is not worth leaving cells out
 
 std::map<std::uint64_t, double> points_by_cell(const Grid& grid,
                                                std::span<const WeightedPlace> places,
@@ -28,7 +29,7 @@ CellSample::CellSample(const Grid& grid, std::span<const WeightedPlace> places, 
         all += place.points;
     const double stride = all / points;
     std::map<std::uint64_t, double> occupied = points_by_cell(grid, places, 0);
-    if (stride > 1.0) {
+    if (stride > kLeastStride) {
         while (level_ < kDeepest && static_cast<double>(occupied.size()) < stride * kLeastCells)
             occupied = points_by_cell(grid, places, ++level_);
     }

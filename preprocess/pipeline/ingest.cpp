@@ -31,24 +31,23 @@ Ingested ingest(const std::filesystem::path& file, const IngestSettings& setting
     return done;
 }
 
-std::vector<Ingested> ingest_all(std::span<const std::filesystem::path> files,
-                                 const IngestSettings& settings, const Progress& progress,
-                                 const WorkFolder* work, std::span<const std::string> keys) {
-    std::vector<Ingested> all(files.size());
-    std::vector<std::exception_ptr> failures(files.size());
+namespace {
+
+/// All files, several at a time; `of_file(i)` is what comes of number i.
+template <typename OfFile>
+std::vector<Ingested> for_all(std::size_t files, const Progress& progress, const OfFile& of_file) {
+    std::vector<Ingested> all(files);
+    std::vector<std::exception_ptr> failures(files);
     std::atomic<bool> failed = false;
     std::mutex mutex;
     std::uint64_t done = 0;
-    tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t i) {
+    tbb::parallel_for(std::size_t{0}, files, [&](std::size_t i) {
         if (failed) return;
         try {
-            if (work == nullptr || !load_ingested(*work, keys[i], files[i], all[i])) {
-                all[i] = ingest(files[i], settings);
-                if (work != nullptr) save_ingested(*work, keys[i], all[i]);
-            }
+            all[i] = of_file(i);
             const std::lock_guard lock(mutex);
             ++done;
-            if (progress) progress(done, files.size());
+            if (progress) progress(done, files);
         } catch (...) {
             failures[i] = std::current_exception();
             failed = true;
@@ -58,6 +57,37 @@ std::vector<Ingested> ingest_all(std::span<const std::filesystem::path> files,
         if (failure) std::rethrow_exception(failure);
     }
     return all;
+}
+
+Ingested kept_or_made(const WorkFolder* work, const std::filesystem::path& file,
+                      const std::string& key, const IngestSettings& settings) {
+    Ingested result;
+    if (work != nullptr && load_ingested(*work, key, file, result)) return result;
+    result = ingest(file, settings);
+    if (work != nullptr) save_ingested(*work, key, result);
+    return result;
+}
+
+}  // namespace
+
+std::vector<Ingested> ingest_all(std::span<const std::filesystem::path> files,
+                                 const IngestSettings& settings, const Progress& progress,
+                                 const WorkFolder* work, std::span<const std::string> keys) {
+    return for_all(files.size(), progress, [&](std::size_t i) {
+        return kept_or_made(work, files[i], keys.empty() ? std::string() : keys[i], settings);
+    });
+}
+
+std::vector<Ingested> ingest_into(const WorkFolder& work,
+                                  std::span<const std::filesystem::path> files,
+                                  const IngestSettings& settings, const Progress& progress,
+                                  std::span<const std::string> keys) {
+    return for_all(files.size(), progress, [&](std::size_t i) {
+        Ingested result = kept_or_made(&work, files[i], keys[i], settings);
+        for (Scan& scan : result.scans)
+            scan.points = {};
+        return result;
+    });
 }
 
 }  // namespace glowworm

@@ -41,4 +41,11 @@ std::vector<Ingested> ingest_all(std::span<const std::filesystem::path> files,
                                  const WorkFolder* work = nullptr,
                                  std::span<const std::string> keys = {});
 
+/// The same into the work folder alone: the scans that are returned have no points, so that no more
+/// files are in memory than are read at a time.
+std::vector<Ingested> ingest_into(const WorkFolder& work,
+                                  std::span<const std::filesystem::path> files,
+                                  const IngestSettings& settings, const Progress& progress,
+                                  std::span<const std::string> keys);
+
 }  // namespace glowworm

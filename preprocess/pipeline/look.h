@@ -19,7 +19,7 @@ struct LookedScan {
     std::vector<Vec3d> places;  ///< m, some points from which the nearest others are looked for
 };
 
-inline constexpr std::size_t kLookedPoints = 20000;
+inline constexpr std::size_t kLookedPoints = 45000;
 
 /// Reads every file once, as a stream: memory does not depend on their size. Throws as
 /// open_scan_file.

@@ -191,8 +191,12 @@ Pilot run_pilot(std::span<const std::filesystem::path> files, const ConvertSetti
     for (const Scan& scan : picked)
         pilot.bytes_a_point = std::max(pilot.bytes_a_point, bytes_of(scan.points));
     const SurfelCloud surfels = make_pilot_surfels(picked, poses, settings, origin, pilot);
-    pilot.grid = fit_grid(summary_of(box, longer, relative, median_radius_inside(surfels, cells)),
-                          origin, build);
+    // Where these cells are all, their surfels are those of the conversion, strays gone.
+    const bool is_whole = cells.level() == 0 && places.size() == scans.size();
+    pilot.grid =
+        fit_grid(is_whole ? summarize(surfels.surfels)
+                          : summary_of(box, longer, relative, median_radius_inside(surfels, cells)),
+                 origin, build);
 
     // 4. The octree of these cells, and what stands for all.
     pilot.octree = size_by_cells(surfels, cells, together, pilot.grid);
@@ -202,7 +206,13 @@ Pilot run_pilot(std::span<const std::filesystem::path> files, const ConvertSetti
     };
     const double now = occupied(together.size());
     const double more = grown(occupied(half_count), now, places.size(), scans.size()) / now;
+    const double surfels_placed = pilot.octree.surfels;
     pilot.octree = pilot.octree.times(more);
+    // Where scans that were not placed show the same places again, the points there become more.
+    double points_placed = 0.0;
+    for (const WeightedPlace& place : together)
+        points_placed += place.points;
+    pilot.octree.surfels = surfels_placed * static_cast<double>(pilot.points) / points_placed;
     if (settings.links > 0) pilot.link_time = time_links(scans, poses, settings);
     return finish();
 }
