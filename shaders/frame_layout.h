@@ -25,10 +25,13 @@ namespace glowworm::gpu {
 #define BINDING_RIMS (BINDING_FRAME_FIRST + 15)
 #define BINDING_PIXEL_SPECULAR (BINDING_FRAME_FIRST + 16)
 #define BINDING_RIM_TILES (BINDING_FRAME_FIRST + 17)
+#define BINDING_DEPTH_TILES (BINDING_FRAME_FIRST + 18)
 #define BINDING_VIEW 1
 
 // Pixels along the edge of the squares that say whether a rim lies in them.
 #define RIM_TILE 8
+// And of those that the depth pyramid (viewer/frame/occlusion.h) begins with.
+#define DEPTH_TILE 8
 
 // The camera of viewer/frame/view.h, in the octree's frame.
 struct ViewBlock {
@@ -44,19 +47,21 @@ struct ViewBlock {
     vec4 clip_high;
 };
 
-// A chunk that is drawn: the first `count` of its surfels, each grown by `scale`.
+// A chunk that is drawn, each of its surfels grown by `scale`.
 struct DrawnChunk {
     vec4 box;      // xyz: lower corner, m, relative to the octree's origin; w: edge, m
-    uint first;    // first surfel in the bound page
-    uint count;
     float scale;   // disc radius over stored radius
     uint unused_0;
+    uint unused_1;
+    uint unused_2;
 };
 
-// What one workgroup of a splatting pass draws: kSplatGroup surfels of one chunk.
+// What one workgroup of a splatting pass draws: at most SPLAT_GROUP surfels of one chunk.
 struct SplatBatch {
     uint chunk;   // index into the drawn chunks
-    uint first;   // first surfel, counted from the chunk's own
+    uint first;   // first surfel in the bound page
+    uint count;
+    uint unused_0;
 };
 #define SPLAT_GROUP 128
 

@@ -1,4 +1,7 @@
 // A surfel as a disc on the screen: which pixels it covers and at which depth.
+#ifndef DISC_REACH
+#define DISC_REACH 1.0   // how far beyond its radius a disc may count, over that radius
+#endif
 
 const float kNearDepth = 0.02;      // m: what is nearer is not drawn
 const float kSmallestRadius = 0.75; // pixels: a disc covers at least the pixel it lies in
@@ -55,8 +58,9 @@ bool make_splat(vec3 centre, vec3 normal, float radius, out Splat splat) {
     splat.normal = cosine < kFlattestCosine
                        ? normalize(normal + (kFlattestCosine - cosine) * to_eye)
                        : normal;
-    if (beside_picture(centre, splat.radius)) return false;
-    vec4 reach = picture_of_sphere(centre, splat.radius);
+    float extent = splat.radius * DISC_REACH;
+    if (beside_picture(centre, extent)) return false;
+    vec4 reach = picture_of_sphere(centre, extent);
     vec2 low = clamp(floor(reach.xy), vec2(0.0), vec2(view.width, view.height));
     vec2 high = clamp(floor(reach.zw), vec2(-1.0), vec2(view.width, view.height) - 1.0);
     splat.lowest = ivec2(low);
@@ -64,8 +68,9 @@ bool make_splat(vec3 centre, vec3 normal, float radius, out Splat splat) {
     return all(lessThanEqual(splat.lowest, splat.highest));
 }
 
-// Depth of the disc at a pixel and its weight there, 1 in the middle and 0 at the rim.
-bool splat_at(Splat splat, ivec2 pixel, out float depth, out float weight) {
+// The disc at a pixel: its depth, and how far from its middle squared, 1 at the radius. False where
+// it is too near to the eye.
+bool splat_at(Splat splat, ivec2 pixel, out float depth, out float off) {
     vec3 origin, direction;
     camera_ray(vec2(pixel) + 0.5, origin, direction);
     float steepness = dot(splat.normal, direction);
@@ -78,7 +83,12 @@ bool splat_at(Splat splat, ivec2 pixel, out float depth, out float weight) {
         depth = plane;
         offset = origin + direction * plane - splat.centre;
     }
-    float rim = 1.0 - dot(offset, offset) / (splat.radius * splat.radius);
-    weight = rim * rim * rim * rim;
-    return rim > 0.0 && depth > kNearDepth;
+    off = dot(offset, offset) / (splat.radius * splat.radius);
+    return depth > kNearDepth;
+}
+
+// A disc's weight: 1 in the middle, 0 where `off` (splat_at) reaches `most`.
+float splat_weight(float off, float most) {
+    float rim = 1.0 - off / most;
+    return rim * rim * rim * rim;
 }

@@ -1,6 +1,10 @@
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 #include "frame_layout.h"
+#include "rims.glsl"
+#ifdef BEHIND_RIMS
+#define DISC_REACH kGapGrowth
+#endif
 #include "view.glsl"
 #include "surfel.glsl"
 #include "splat.glsl"
@@ -10,16 +14,18 @@
 layout(std430, binding = BINDING_DEPTHS) readonly buffer pixel_depths { uint depths[]; };
 
 // Discs within one radius behind the nearest one belong to the same surface and are averaged. With
-// BEHIND_RIMS, only where one was found behind a rim.
+// BEHIND_RIMS, only where one was found behind a rim or in a gap.
 #ifdef BEHIND_RIMS
 layout(std430, binding = BINDING_RIMS) readonly buffer pixel_rims { float rims[]; };
-bool counts(uint pixel, float behind, float radius) {
-    return rims[pixel] > 0.0 && behind > -0.01 * radius;   // the rim itself lies farther in front
+// How far off its middle squared a disc counts, 0 where it does not.
+float reach_at(uint pixel, float behind, float radius) {
+    if (rims[pixel] == kGap) return kGapGrowth * kGapGrowth;
+    return rims[pixel] > 0.0 && behind > -0.01 * radius ? 1.0 : 0.0;   // the rim lies farther in front
 }
 #include "rim_tiles.glsl"
 #else
 bool any_rim(Splat splat) { return true; }
-bool counts(uint pixel, float behind, float radius) { return true; }
+float reach_at(uint pixel, float behind, float radius) { return 1.0; }
 #endif
 
 void main() {
@@ -32,12 +38,13 @@ void main() {
 
     for (int y = splat.lowest.y; y <= splat.highest.y; ++y) {
         for (int x = splat.lowest.x; x <= splat.highest.x; ++x) {
-            float depth, weight;
-            if (!splat_at(splat, ivec2(x, y), depth, weight)) continue;
+            float depth, off;
+            if (!splat_at(splat, ivec2(x, y), depth, off)) continue;
             uint pixel = uint(y) * view.width + uint(x);
             float behind = depth - uintBitsToFloat(depths[pixel]);
-            if (behind > splat.radius || !counts(pixel, behind, splat.radius)) continue;
-            add_to_surface(pixel, weight, normal, albedo, ndf_length, behind);
+            float most = reach_at(pixel, behind, splat.radius);
+            if (behind > splat.radius || off >= most) continue;
+            add_to_surface(pixel, splat_weight(off, most), normal, albedo, ndf_length, behind);
         }
     }
 }

@@ -12,9 +12,8 @@ bool this_splat(out PackedSurfel surfel, out Splat splat) {
     if (group >= batch_count) return false;
     SplatBatch batch = batches[first_batch + group];
     DrawnChunk chunk = chunks[batch.chunk];
-    uint index = batch.first + gl_LocalInvocationID.x;
-    if (index >= chunk.count) return false;
-    surfel = surfels[chunk.first + index];
+    if (gl_LocalInvocationID.x >= batch.count) return false;
+    surfel = surfels[batch.first + gl_LocalInvocationID.x];
     if (surfel_light(surfel) != 0u) return false;   // panels are drawn as exact rectangles
     vec3 position = surfel_position(surfel, chunk.box);
     if (any(lessThan(position, view.clip_low.xyz)) || any(greaterThan(position, view.clip_high.xyz))) {

@@ -74,7 +74,7 @@ TEST(Inspector, ShowsTheCellsOfALevelAndWhatTheyRadiate) {
     camera.look_at = {2.0, 0.0, 1.2};
     camera.width = kWidth;
     camera.height = kHeight;
-    room.frame.draw(view_of(camera), room.light);
+    room.frame.draw(view_of(camera), room.light, Frame::Missing::kWaitFor);
     Inspector inspector;
     const Texture target("target", GL_RGBA8, kWidth, kHeight);
     const auto colours_of = [&](Layer layer, int level) {

@@ -21,6 +21,17 @@ Chunk chunk_at(Vec3f middle, float edge, std::uint32_t count) {
     return chunk;
 }
 
+std::vector<ChunkSelection> select(std::span<const Chunk> chunks, const View& view,
+                                   const SelectionSettings& settings) {
+    std::vector<ChunkBox> boxes;
+    for (const Chunk& chunk : chunks) {
+        const double half = chunk.box_edge / 2.0;
+        const Vec3d low{chunk.box_min[0], chunk.box_min[1], chunk.box_min[2]};
+        boxes.push_back({low + Vec3d{half, half, half}, {half, half, half}});
+    }
+    return select_chunks(chunks, boxes, kOrigin, view, settings);
+}
+
 View view_to_the_north() {
     Camera camera;
     camera.position = kOrigin;
@@ -38,7 +49,7 @@ TEST(Selection, LeavesOutWhatTheViewCannotSee) {
         chunk_at({7.9f, 10, 0}, 1, 100),  // across the picture's right edge
     };
     std::vector<std::uint32_t> seen;
-    for (const auto& s : select_chunks(chunks, kOrigin, view_to_the_north(), {})) {
+    for (const auto& s : select(chunks, view_to_the_north(), {})) {
         seen.push_back(s.chunk);
     }
     EXPECT_THAT(seen, ::testing::ElementsAre(4, 0, 5)) << "nearest first";
@@ -49,7 +60,7 @@ TEST(Selection, DrawsAllOfANearChunkAndFewOfAFarOne) {
                                        chunk_at({0, 200, 0}, 1, 50000)};
     const SelectionSettings settings{.quality = 1.0f, .splat_scale = 2.0f};
     const View view = view_to_the_north();
-    const auto selected = select_chunks(chunks, kOrigin, view, settings);
+    const auto selected = select(chunks, view, settings);
     ASSERT_EQ(selected.size(), 2u);
     EXPECT_EQ(selected[0].count, 1000u);
     EXPECT_EQ(selected[0].scale, 2.0f);
@@ -66,32 +77,47 @@ TEST(Selection, CountsPixelsByScaleInAnOrthographicView) {
     view.orthographic = true;
     view.focal = 10.0;  // pixels per m
     const std::vector<Chunk> chunks = {chunk_at({0, 50, 0}, 1, 50000)};
-    const auto selected = select_chunks(chunks, kOrigin, view, {.quality = 1.0f});
+    const auto selected = select(chunks, view, {.quality = 1.0f});
     ASSERT_EQ(selected.size(), 1u);
     EXPECT_NEAR(selected[0].count, 100.0, 1.0) << "10 x 10 pixels, wherever it stands";
 }
 
-TEST(Selection, KeepsABudgetOfSurfelsAndWhatIsResidentByDrawingEvenlyFewer) {
+TEST(Selection, KeepsABudgetOfSurfelsByDrawingEvenlyFewer) {
     const std::vector<Chunk> chunks = {chunk_at({0, 2, 0}, 1, 1000), chunk_at({0, 4, 0}, 1, 3000)};
-    SelectionSettings settings{.quality = 0.1f, .splat_scale = 2.0f, .resident = 0.5};
-    const auto half = select_chunks(chunks, kOrigin, view_to_the_north(), settings);
-    ASSERT_EQ(half.size(), 2u);
-    EXPECT_EQ(half[0].count, 500u);
-    EXPECT_EQ(half[1].count, 1500u);
-    EXPECT_NEAR(half[0].scale, 2.0 * std::sqrt(2.0), 1e-5);
-
-    settings.most_surfels = 200;
-    const auto few = select_chunks(chunks, kOrigin, view_to_the_north(), settings);
+    const SelectionSettings settings{.quality = 0.1f, .splat_scale = 2.0f, .most_surfels = 200};
+    const auto few = select(chunks, view_to_the_north(), settings);
+    ASSERT_EQ(few.size(), 2u);
     EXPECT_EQ(few[0].count, 50u);
     EXPECT_EQ(few[1].count, 150u);
     EXPECT_NEAR(few[1].scale, 2.0 * std::sqrt(20.0), 1e-5);
 }
 
+TEST(Selection, FitsIntoBlocksEvenlyAndNeverLosesAChunk) {
+    const std::vector<ChunkSelection> all = {{0, 1000, 2.0f}, {1, 4000, 2.0f}, {2, 10, 2.0f}};
+    std::vector<ChunkSelection> same = all;
+    fit_into(same, 10 + 40 + 1, 100);
+    EXPECT_EQ(same[1].count, 4000u) << "it fits";
+
+    std::vector<ChunkSelection> half = all;
+    fit_into(half, 26, 100);
+    EXPECT_NEAR(half[0].count, 500, 100);
+    EXPECT_NEAR(half[1].count, 2000, 100);
+    EXPECT_EQ(half[2].count, 10u) << "less than a block";
+    EXPECT_NEAR(half[1].scale, 2.0 * std::sqrt(4000.0 / half[1].count), 1e-5);
+    std::uint64_t blocks = 0;
+    for (const ChunkSelection& selected : half)
+        blocks += (selected.count + 99) / 100;
+    EXPECT_LE(blocks, 26u);
+
+    std::vector<ChunkSelection> least = all;
+    fit_into(least, 0, 100);
+    EXPECT_EQ(least[0].count, 100u) << "a block each, whatever there is";
+}
+
 TEST(Selection, ReturnsNothingForNothing) {
-    EXPECT_TRUE(select_chunks({}, kOrigin, view_to_the_north(), {}).empty());
-    EXPECT_TRUE(select_chunks(std::vector<Chunk>{chunk_at({0, 9, 0}, 1, 0)}, kOrigin,
-                              view_to_the_north(), {})
-                    .empty())
+    EXPECT_TRUE(select({}, view_to_the_north(), {}).empty());
+    EXPECT_TRUE(
+        select(std::vector<Chunk>{chunk_at({0, 9, 0}, 1, 0)}, view_to_the_north(), {}).empty())
         << "a chunk without surfels";
 }
 

@@ -38,7 +38,7 @@ Json run_benchmark(const Context& context, const Cave& cave, LightField& light, 
     PassTimer warm_up(context.device()), timer(context.device());
     const auto draw = [&](PassTimer& passes) {
         if (bounces) passes.measure("bounce", [&] { light.iterate(1, false); });
-        frame.draw(view, light, 1, &passes);
+        frame.draw(view, light, Frame::Missing::kWaitFor, &passes);
         passes.measure("tone map", [&] {
             display.draw(frame.beauty(), shown, options.display.exposure.value_or(0.0),
                          options.display.curve);
@@ -64,6 +64,7 @@ Json run_benchmark(const Context& context, const Cave& cave, LightField& light, 
                      {"frames", options.frames.value_or(1)},
                      {"points", cave.points().surfels.size()},
                      {"points_drawn", frame.surfels_drawn()},
+                     {"points_hidden", frame.surfels_hidden()},
                      {"lobes", cave.light().lobes.size()},
                      {"gpu_clock", context.device().software
                                        ? "wall time of each pass: a software renderer has no GPU"

@@ -176,12 +176,12 @@ bool Session::draw_frame() {
         view_of_size(std::max(extent.width / divisor, 1), std::max(extent.height / divisor, 1));
     std::optional<PassTimer> timer;
     if (state_.measure_passes) timer.emplace(context_.device());
-    frame_.draw(view, light_->field(), 1, timer ? &*timer : nullptr);
+    frame_.draw(view, light_->field(), Frame::Missing::kAskFor, timer ? &*timer : nullptr);
     glFinish();
     const double seconds = now_seconds() - begun;
     pace_.drawn(divisor, seconds);
     drawn_ = view;
-    stale_ = false;
+    stale_ = !frame_.is_complete();  // the next one is finer
     wanted_exposure_ =
         measured_exposure(display_.luminances(frame_.beauty(), view.width, view.height));
 
@@ -214,7 +214,7 @@ bool Session::sharpen(const WindowExtent& window) {
     const auto [x, y] = sharpening_.tile();
     constexpr int kEdge = Sharpening::kTileEdge;
     frame_.draw(tile_of(view_of_size(window.width, window.height), x, y, kEdge, kEdge),
-                light_->field());
+                light_->field(), Frame::Missing::kWaitFor);
     display_.draw(frame_.beauty(), sharpening_.target(), state_.exposure, state_.curve);
     sharpening_.put();
     return true;

@@ -220,7 +220,7 @@ std::optional<SurfacePoint> Session::pick_in_tile(double x, double y) {
     const int left = static_cast<int>(x) - kFineTile / 2, top = static_cast<int>(y) - kFineTile / 2;
     const View tile =
         tile_of(view_of_size(screen.width, screen.height), left, top, kFineTile, kFineTile);
-    frame_.draw(tile, light_->field());
+    frame_.draw(tile, light_->field(), Frame::Missing::kWaitFor);
     constexpr std::size_t kMiddle = kFineTile / 2 * kFineTile + kFineTile / 2;
     const auto surface = frame_.gbuffer().surfaces().read<gpu::vec4>(1, kMiddle).front();
     return surface_point(tile, surface, x - left, y - top);

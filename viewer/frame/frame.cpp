@@ -13,12 +13,30 @@ struct PixelSums {
     float depth = 0.0f, ndf_length = 0.0f, hits = 0.0f;
 };
 
+/// How many chunks, the nearest, hold a quarter of what is selected.
+std::size_t nearest_part(std::span<const ChunkSelection> selection) {
+    std::uint64_t all = 0, before = 0;
+    for (const ChunkSelection& selected : selection)
+        all += selected.count;
+    std::size_t part = 0;
+    while (part < selection.size() && 4 * before < all)
+        before += selection[part++].count;
+    return part;
+}
+
+/// How many chunks were seen; they come first now, else the order stays.
+std::size_t put_seen_first(std::vector<ChunkSelection>& selection, const std::vector<bool>& seen) {
+    const auto rest = std::stable_partition(selection.begin(), selection.end(),
+                                            [&](const auto& s) { return seen[s.chunk]; });
+    return static_cast<std::size_t>(rest - selection.begin());
+}
+
 Vec3f rgb(const gpu::vec4& v) {
     return {v.x, v.y, v.z};
 }
 
-/// A drawn tile as the GPU left it, read back once.
-struct Tile {
+/// The pixels of a tile as the GPU left it, read back once.
+struct Pixels {
     int width;  ///< sub-pixels
     std::vector<gpu::vec4> surfaces, albedos, direct, indirect, specular, emission;
 
@@ -55,26 +73,69 @@ void store(const PixelSums& sums, int samples, FrameLayers& layers, std::size_t 
 Frame::Frame(const Context& context, const OctreeView& octree, const FrameSettings& settings)
     : octree_(octree),
       settings_(settings),
+      boxes_(chunk_boxes(octree)),
       cloud_(octree, static_cast<std::size_t>(context.device().max_storage_bytes),
-             settings.point_memory) {
-    settings_.selection.resident = cloud_.resident();
-}
+             settings.point_memory) {}
 
 void Frame::set_panels(std::span<const AreaLight> panels) {
     shading_.set_panels(panels, octree_.grid.origin);
 }
 
-void Frame::draw(const View& view, const LightField& light, int sub_pixels, PassTimer* timer) {
-    std::vector<ChunkSelection> selection;
+void Frame::draw(const View& view, const LightField& light, Missing missing, PassTimer* timer) {
+    splat(view, missing, timer);
+    timed(timer, "shade", [&] { shading_.draw(gbuffer_, light, view, 1, settings_.wetness); });
+}
+
+/// The chunks that the last frame saw first; then those of the others that their surfaces do not
+/// hide. It is the same frame as with all of them: what is hidden would change no pixel.
+void Frame::splat(const View& view, Missing missing, PassTimer* timer) {
+    const bool wait = missing == Missing::kWaitFor;
+    std::vector<ChunkSelection> wanted;
+    std::size_t first = 0;
     timed(timer, "select", [&] {
-        selection = select_chunks(octree_.chunks, octree_.grid.origin, view, settings_.selection);
+        wanted =
+            select_chunks(octree_.chunks, boxes_, octree_.grid.origin, view, settings_.selection);
+        fit_into(wanted, cloud_.blocks_for(wanted.size()), SurfelCache::kBlock);
+        first = seen_.empty() ? nearest_part(wanted) : put_seen_first(wanted, seen_);
     });
+    const auto as_drawn = [&](const ChunkSelection& selected) {
+        return wait ? selected : thinned(selected, cloud_.resident(selected.chunk));
+    };
+    const auto add = [&](std::span<const ChunkSelection> part) {
+        if (wait) cloud_.load(part);
+        std::vector<ChunkSelection> drawn(part.size());
+        std::ranges::transform(part, drawn.begin(), as_drawn);
+        for (const ChunkSelection& chunk : drawn)
+            surfels_drawn_ += chunk.count;
+        gbuffer_.add(octree_, cloud_, drawn, timer);
+    };
+    const auto hidden = [&](const DepthPyramid& pyramid, const ChunkSelection& selected) {
+        const double radius = as_drawn(selected).scale * octree_.chunks[selected.chunk].max_radius;
+        return is_hidden(pyramid, view, octree_.grid.origin, boxes_[selected.chunk], radius);
+    };
+
     surfels_drawn_ = 0;
-    for (const ChunkSelection& chunk : selection)
-        surfels_drawn_ += chunk.count;
-    gbuffer_.draw(octree_, cloud_, selection, view, timer);
-    timed(timer, "shade",
-          [&] { shading_.draw(gbuffer_, light, view, sub_pixels, settings_.wetness); });
+    cloud_.begin_frame();
+    gbuffer_.begin(octree_, view);
+    add(std::span(wanted).first(first));
+    DepthPyramid pyramid = gbuffer_.pyramid(timer);
+    const auto rest = wanted.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto visible_end = std::stable_partition(
+        rest, wanted.end(), [&](const ChunkSelection& s) { return !hidden(pyramid, s); });
+    if (visible_end != rest) {
+        add(std::span(rest, visible_end));
+        pyramid = gbuffer_.pyramid(timer);
+    }
+    surfels_hidden_ = 0;
+    for (auto chunk = visible_end; chunk != wanted.end(); ++chunk)
+        surfels_hidden_ += chunk->count;
+    wanted.erase(visible_end, wanted.end());
+    gbuffer_.finish(cloud_, timer);
+
+    seen_.assign(octree_.chunks.size(), false);
+    for (const ChunkSelection& selected : wanted)
+        seen_[selected.chunk] = !hidden(pyramid, selected);
+    complete_ = wait || cloud_.request(wanted);
 }
 
 FrameLayers Frame::render(const View& view, const LightField& light, const Progress& progress) {
@@ -85,21 +146,24 @@ FrameLayers Frame::render(const View& view, const LightField& light, const Progr
         for (int left = 0; left < view.width; left += edge) {
             const int width = std::min(edge, view.width - left);
             const int height = std::min(edge, view.height - top);
-            draw(supersampled(tile_of(view, left, top, width, height), samples), light, samples);
+            seen_.clear();  // a frame does not depend on those before it
+            const View tile = supersampled(tile_of(view, left, top, width, height), samples);
+            splat(tile, Missing::kWaitFor, nullptr);
+            shading_.draw(gbuffer_, light, tile, samples, settings_.wetness);
 
             const std::size_t count = static_cast<std::size_t>(width * height * samples * samples);
             const auto read = [&](const Buffer& buffer) { return buffer.read<gpu::vec4>(count); };
-            const Tile tile{width * samples,           read(gbuffer_.surfaces()),
-                            read(gbuffer_.albedos()),  read(shading_.direct()),
-                            read(shading_.indirect()), read(shading_.specular()),
-                            read(shading_.emission())};
+            const Pixels pixels{width * samples,           read(gbuffer_.surfaces()),
+                                read(gbuffer_.albedos()),  read(shading_.direct()),
+                                read(shading_.indirect()), read(shading_.specular()),
+                                read(shading_.emission())};
             for (int y = 0; y < height; ++y) {
                 for (int x = 0; x < width; ++x) {
                     PixelSums sums;
                     for (int s = 0; s < samples * samples; ++s) {
                         const int row = y * samples + s / samples,
                                   column = x * samples + s % samples;
-                        tile.add(static_cast<std::size_t>(row * tile.width + column), sums);
+                        pixels.add(static_cast<std::size_t>(row * pixels.width + column), sums);
                     }
                     store(sums, samples, layers,
                           static_cast<std::size_t>((top + y) * view.width + left + x));

@@ -25,12 +25,20 @@ class Frame {
 
     void set_panels(std::span<const AreaLight> panels);
 
-    /// Select, splat, shade: `view`'s pixels lie in beauty() afterwards.
-    /// `sub_pixels` squared of them will become one. `timer`, where given, takes each pass's time.
-    void draw(const View& view, const LightField& light, int sub_pixels = 1,
-              PassTimer* timer = nullptr);
+    /// What to do about surfels that are not on the GPU yet.
+    enum class Missing {
+        kAskFor,   ///< draw what is there, coarser; a later frame has more
+        kWaitFor,  ///< bring them first
+    };
 
-    /// A frame of any size with all its layers, tile by tile; `progress` counts pixels.
+    /// Select, splat, shade: `view`'s pixels lie in beauty() afterwards. `timer`, where given,
+    /// takes each pass's time.
+    void draw(const View& view, const LightField& light, Missing missing = Missing::kAskFor,
+              PassTimer* timer = nullptr);
+    /// Whether the last draw had all the surfels it wanted.
+    bool is_complete() const { return complete_; }
+
+    /// A frame of any size with all its layers and surfels, tile by tile; `progress` counts pixels.
     FrameLayers render(const View& view, const LightField& light, const Progress& progress = {});
 
     const Buffer& beauty() const { return shading_.beauty(); }
@@ -39,14 +47,21 @@ class Frame {
     void set_wetness(float wetness) { settings_.wetness = wetness; }
     void set_selection(const SelectionSettings& selection) { settings_.selection = selection; }
     std::uint64_t surfels_drawn() const { return surfels_drawn_; }  ///< by the last draw
+    /// By the last draw left out, behind others.
+    std::uint64_t surfels_hidden() const { return surfels_hidden_; }
 
   private:
+    void splat(const View& view, Missing missing, PassTimer* timer);
+
     OctreeView octree_;
     FrameSettings settings_;
-    SurfelPages cloud_;
+    std::vector<ChunkBox> boxes_;  ///< [chunks]
+    SurfelCache cloud_;
     GBuffer gbuffer_;
     Shading shading_;
-    std::uint64_t surfels_drawn_ = 0;
+    std::vector<bool> seen_;  ///< [chunks] in the last frame; empty before the first
+    bool complete_ = true;
+    std::uint64_t surfels_drawn_ = 0, surfels_hidden_ = 0;
 };
 
 }  // namespace glowworm

@@ -1,9 +1,8 @@
 #include "viewer/frame/gbuffer.h"
 
+#include <algorithm>
 #include <limits>
-#include <vector>
-
-#include "shaders/frame_layout.h"
+#include <utility>
 
 namespace glowworm {
 namespace {
@@ -28,44 +27,6 @@ gpu::ViewBlock view_block_of(const View& view, const Vec3d& origin) {
     return block;
 }
 
-/// What one page draws: a range of the batches.
-struct PageDraw {
-    std::size_t page;
-    std::uint32_t first_batch, batch_count;
-};
-
-struct DrawList {
-    std::vector<gpu::DrawnChunk> chunks;
-    std::vector<gpu::SplatBatch> batches;
-    std::vector<PageDraw> pages;
-};
-
-DrawList draw_list_of(const OctreeView& octree, const SurfelPages& cloud,
-                      std::span<const ChunkSelection> selection) {
-    DrawList list;
-    for (std::size_t page = 0; page < cloud.pages().size(); ++page) {
-        const auto first_batch = static_cast<std::uint32_t>(list.batches.size());
-        for (const ChunkSelection& selected : selection) {
-            const SurfelPages::Place place = cloud.place_of(selected.chunk);
-            if (place.page != page) continue;
-            const Chunk& chunk = octree.chunks[selected.chunk];
-            const auto index = static_cast<std::uint32_t>(list.chunks.size());
-            list.chunks.push_back(
-                {{chunk.box_min[0], chunk.box_min[1], chunk.box_min[2], chunk.box_edge},
-                 place.first,
-                 selected.count,
-                 selected.scale,
-                 0});
-            for (std::uint32_t first = 0; first < selected.count; first += SPLAT_GROUP) {
-                list.batches.push_back({index, first});
-            }
-        }
-        const auto end = static_cast<std::uint32_t>(list.batches.size());
-        if (end > first_batch) list.pages.push_back({page, first_batch, end - first_batch});
-    }
-    return list;
-}
-
 template <typename T>
 void write_growing(Buffer& buffer, const char* label, const std::vector<T>& values) {
     const std::size_t bytes = values.size() * sizeof(T);
@@ -84,6 +45,7 @@ void GBuffer::resize(std::size_t pixels) {
     depths_.write(std::vector<float>(pixels, std::numeric_limits<float>::infinity()));
     rims_ = Buffer("pixel rims", pixels * sizeof(float));
     rim_tiles_ = Buffer("rim tiles", pixels * sizeof(std::uint32_t));  // enough for any shape
+    tiles_ = Buffer("depth tiles", pixels * sizeof(float));
     normal_sums_ = Buffer("normal sums", pixels * 4 * sizeof(std::int32_t));
     albedo_sums_ = Buffer("albedo sums", pixels * 4 * sizeof(std::uint32_t));
     behind_sums_ = Buffer("behind sums", pixels * sizeof(std::int32_t));
@@ -97,42 +59,94 @@ void GBuffer::bind() const {
     albedos_.bind_storage(BINDING_PIXEL_ALBEDOS);
 }
 
-void GBuffer::draw(const OctreeView& octree, const SurfelPages& cloud,
-                   std::span<const ChunkSelection> selection, const View& view, PassTimer* timer) {
+void GBuffer::begin(const OctreeView& octree, const View& view) {
     resize(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
+    shown_ = view;
     const gpu::ViewBlock block = view_block_of(view, octree.grid.origin);
     view_.write(std::span(&block, 1));
-    const DrawList list = draw_list_of(octree, cloud, selection);
-    write_growing(chunks_, "drawn chunks", list.chunks);
-    write_growing(batches_, "splat batches", list.batches);
+    chunks_.clear();
+    batches_.clear();
+    draws_.clear();
+}
 
+void GBuffer::add(const OctreeView& octree, const SurfelCache& cloud,
+                  std::span<const ChunkSelection> selection, PassTimer* timer) {
+    std::vector<std::vector<gpu::SplatBatch>> of_page(cloud.pages().size());
+    for (const ChunkSelection& drawn : selection) {
+        const Chunk& chunk = octree.chunks[drawn.chunk];
+        const auto index = static_cast<std::uint32_t>(chunks_.size());
+        chunks_.push_back({{chunk.box_min[0], chunk.box_min[1], chunk.box_min[2], chunk.box_edge},
+                           drawn.scale,
+                           0,
+                           0,
+                           0});
+        static_assert(SurfelCache::kBlock % SPLAT_GROUP == 0);
+        for (std::uint32_t first = 0; first < drawn.count; first += SPLAT_GROUP) {
+            const auto place = cloud.place_of(drawn.chunk, first / SurfelCache::kBlock);
+            of_page[place.page].push_back({index, place.first + first % SurfelCache::kBlock,
+                                           std::min(drawn.count - first, uint{SPLAT_GROUP}), 0});
+        }
+    }
+    const std::size_t first_draw = draws_.size();
+    for (std::size_t page = 0; page < of_page.size(); ++page) {
+        if (of_page[page].empty()) continue;
+        draws_.push_back({page, static_cast<std::uint32_t>(batches_.size()),
+                          static_cast<std::uint32_t>(of_page[page].size())});
+        batches_.insert(batches_.end(), of_page[page].begin(), of_page[page].end());
+    }
+    write_growing(chunk_buffer_, "drawn chunks", chunks_);
+    write_growing(batch_buffer_, "splat batches", batches_);
+    bind_splats();
+    timed(timer, "splat depth", [&] { splat(depth_, cloud, first_draw); });
+}
+
+DepthPyramid GBuffer::pyramid(PassTimer* timer) {
+    const int columns = (shown_.width + DEPTH_TILE - 1) / DEPTH_TILE;
+    const int rows = (shown_.height + DEPTH_TILE - 1) / DEPTH_TILE;
+    const auto count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+    std::vector<float> farthest;
+    timed(timer, "depth pyramid", [&] {
+        bind_splats();
+        depth_tiles_.dispatch(count, 64);
+        farthest = tiles_.read<float>(count);
+    });
+    return {std::move(farthest), columns, rows, DEPTH_TILE};
+}
+
+void GBuffer::finish(const SurfelCache& cloud, PassTimer* timer) {
+    bind_splats();
+    timed(timer, "splat blend", [&] { splat(blend_, cloud, 0); });
+    timed(timer, "rims", [&] {
+        rim_tiles_.clear();
+        find_rims_.dispatch(pixels_, 128);
+        splat(depth_behind_, cloud, 0);
+        open_rims_.dispatch(pixels_, 128);
+        splat(blend_behind_, cloud, 0);
+    });
+    timed(timer, "resolve", [&] { resolve_.dispatch(pixels_, 128); });
+}
+
+void GBuffer::bind_splats() const {
     bind();
-    chunks_.bind_storage(BINDING_DRAWN_CHUNKS);
-    batches_.bind_storage(BINDING_SPLAT_BATCHES);
+    chunk_buffer_.bind_storage(BINDING_DRAWN_CHUNKS);
+    batch_buffer_.bind_storage(BINDING_SPLAT_BATCHES);
     depths_.bind_storage(BINDING_DEPTHS);
+    tiles_.bind_storage(BINDING_DEPTH_TILES);
     rims_.bind_storage(BINDING_RIMS);
     rim_tiles_.bind_storage(BINDING_RIM_TILES);
     normal_sums_.bind_storage(BINDING_NORMAL_SUMS);
     albedo_sums_.bind_storage(BINDING_ALBEDO_SUMS);
     behind_sums_.bind_storage(BINDING_BEHIND_SUMS);
-    const auto splat = [&](const Program& pass) {
-        for (const PageDraw& draw : list.pages) {
-            cloud.pages()[draw.page].bind_storage(BINDING_SURFELS);
-            set_uniform(pass, 0, draw.batch_count);
-            set_uniform(pass, 1, draw.first_batch);
-            pass.dispatch(std::size_t{draw.batch_count} * SPLAT_GROUP, SPLAT_GROUP);
-        }
-    };
-    timed(timer, "splat depth", [&] { splat(depth_); });
-    timed(timer, "splat blend", [&] { splat(blend_); });
-    timed(timer, "rims", [&] {
-        rim_tiles_.clear();
-        find_rims_.dispatch(pixels_, 128);
-        splat(depth_behind_);
-        open_rims_.dispatch(pixels_, 128);
-        splat(blend_behind_);
-    });
-    timed(timer, "resolve", [&] { resolve_.dispatch(pixels_, 128); });
+}
+
+void GBuffer::splat(const Program& pass, const SurfelCache& cloud, std::size_t first_draw) const {
+    for (std::size_t i = first_draw; i < draws_.size(); ++i) {
+        const PageDraw& draw = draws_[i];
+        cloud.pages()[draw.page].bind_storage(BINDING_SURFELS);
+        set_uniform(pass, 0, draw.batch_count);
+        set_uniform(pass, 1, draw.first_batch);
+        pass.dispatch(std::size_t{draw.batch_count} * SPLAT_GROUP, SPLAT_GROUP);
+    }
 }
 
 }  // namespace glowworm

@@ -31,28 +31,30 @@ std::array<Plane, 5> frustum_of(const View& view) {
             side(view.down, bottom, -1), Plane{view.forward, -dot(view.forward, view.position)}};
 }
 
-/// The surfels' own extent reaches past the box they are quantised in by their drawn radius.
-bool may_be_seen(const std::array<Plane, 5>& frustum, const Vec3d& centre, double half_edge) {
+/// The surfels' own extent reaches past the box of their centres by their drawn radius.
+bool may_be_seen(const std::array<Plane, 5>& frustum, const Vec3d& centre, const Vec3d& half,
+                 double drawn_radius) {
     for (const Plane& plane : frustum) {
         const Vec3d& n = plane.normal;
-        const double reach = half_edge * (std::abs(n.x) + std::abs(n.y) + std::abs(n.z));
+        const double reach =
+            half.x * std::abs(n.x) + half.y * std::abs(n.y) + half.z * std::abs(n.z) + drawn_radius;
         if (dot(n, centre) + plane.offset + reach < 0) return false;
     }
     return true;
 }
 
-bool overlaps(const Box& box, const Vec3d& centre, double half_edge) {
+bool overlaps(const Box& box, const Vec3d& centre, const Vec3d& half) {
     for (int axis = 0; axis < 3; ++axis) {
-        if (centre[axis] + half_edge < box.low[axis] || centre[axis] - half_edge > box.high[axis])
+        if (centre[axis] + half[axis] < box.low[axis] || centre[axis] - half[axis] > box.high[axis])
             return false;
     }
     return true;
 }
 
-double distance_to_box(const Vec3d& point, const Vec3d& centre, double half_edge) {
+double distance_to_box(const Vec3d& point, const Vec3d& centre, const Vec3d& half) {
     Vec3d outside;
     for (int axis = 0; axis < 3; ++axis) {
-        outside[axis] = std::max(std::abs(point[axis] - centre[axis]) - half_edge, 0.0);
+        outside[axis] = std::max(std::abs(point[axis] - centre[axis]) - half[axis], 0.0);
     }
     return length(outside);
 }
@@ -64,7 +66,36 @@ std::uint32_t share_of(const Chunk& chunk, double share) {
     return std::clamp(static_cast<std::uint32_t>(std::ceil(share * chunk.count)), 1u, chunk.count);
 }
 
-std::vector<ChunkSelection> select_chunks(std::span<const Chunk> chunks, const Vec3d& origin,
+ChunkSelection thinned(const ChunkSelection& selected, std::uint32_t count) {
+    if (count >= selected.count) return selected;
+    const float share = static_cast<float>(selected.count) / static_cast<float>(count);
+    return {selected.chunk, count, selected.scale * std::sqrt(share)};
+}
+
+void fit_into(std::vector<ChunkSelection>& selection, std::uint64_t blocks,
+              std::uint32_t block_surfels) {
+    const auto blocks_at = [&](const ChunkSelection& selected, double share) -> std::uint32_t {
+        const std::uint32_t all = (selected.count + block_surfels - 1) / block_surfels;
+        return std::max(static_cast<std::uint32_t>(share * all), 1u);
+    };
+    const auto total_at = [&](double share) {
+        std::uint64_t total = 0;
+        for (const ChunkSelection& selected : selection)
+            total += blocks_at(selected, share);
+        return total;
+    };
+    if (total_at(1.0) <= blocks) return;
+    double low = 0.0, high = 1.0;
+    for (int halving = 0; halving < 32; ++halving) {
+        const double middle = (low + high) / 2.0;
+        (total_at(middle) <= blocks ? low : high) = middle;
+    }
+    for (ChunkSelection& selected : selection)
+        selected = thinned(selected, blocks_at(selected, low) * block_surfels);
+}
+
+std::vector<ChunkSelection> select_chunks(std::span<const Chunk> chunks,
+                                          std::span<const ChunkBox> boxes, const Vec3d& origin,
                                           const View& view, const SelectionSettings& settings) {
     struct Seen {
         ChunkSelection selection;
@@ -76,22 +107,18 @@ std::vector<ChunkSelection> select_chunks(std::span<const Chunk> chunks, const V
     for (std::uint32_t i = 0; i < chunks.size(); ++i) {
         const Chunk& chunk = chunks[i];
         if (chunk.count == 0) continue;
-        const double half_edge = chunk.box_edge / 2.0;
-        const Vec3d centre = origin + Vec3d{chunk.box_min[0], chunk.box_min[1], chunk.box_min[2]} +
-                             Vec3d{half_edge, half_edge, half_edge};
-        if (!may_be_seen(frustum, centre, half_edge + settings.splat_scale * chunk.max_radius)) {
-            continue;
-        }
-        if (view.clip && !overlaps(*view.clip, centre, half_edge)) continue;
+        const Vec3d centre = origin + boxes[i].centre, half = boxes[i].half;
+        if (!may_be_seen(frustum, centre, half, settings.splat_scale * chunk.max_radius)) continue;
+        if (view.clip && !overlaps(*view.clip, centre, half)) continue;
 
         // A prefix of n surfels lies spacing · sqrt(count / n) apart.
-        const double distance = distance_to_box(view.position, centre, half_edge);
+        const double distance = distance_to_box(view.position, centre, half);
         const double metre = view.orthographic ? view.focal
                              : distance > 0    ? view.focal / distance
                                                : std::numeric_limits<double>::infinity();
         const double spacing = chunk.spacing * metre / settings.quality;
         const double share = spacing > 0 ? std::min(spacing * spacing, 1.0) : 1.0;
-        seen.push_back({{i, share_of(chunk, std::min(share, settings.resident)), 0.0f}, distance});
+        seen.push_back({{i, share_of(chunk, share), 0.0f}, distance});
         total += seen.back().selection.count;
     }
     std::stable_sort(seen.begin(), seen.end(),
