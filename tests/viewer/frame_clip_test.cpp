@@ -5,8 +5,8 @@
 
 #include "analytic_cave.h"
 #include "octree/build.h"
-#include "viewer/frame/inspector.h"
 #include "viewer/frame/frame.h"
+#include "viewer/frame/inspector.h"
 
 namespace glowworm {
 namespace {

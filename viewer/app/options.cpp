@@ -200,7 +200,8 @@ std::optional<Options> read_options(int argc, char** argv) {
                    "points in a frame at most, 0 for no limit; a denser view is drawn coarser")
         ->capture_default_str();
     app.add_option("--gpu-memory", options.frame.point_memory,
-                   "what the points may take on the GPU (2G, 500M); a larger cloud is held coarser")
+                   "what the points may take on the GPU (2G, 500M); a view that needs more is "
+                   "drawn coarser")
         ->transform(CLI::AsSizeValue(false));
     app.add_option("--samples", options.frame.samples,
                    "a headless pixel is the mean of this many "
