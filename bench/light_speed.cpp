@@ -33,7 +33,7 @@ double memory_bandwidth() {
 
 void speed_table(const Context& context, std::span<const LightMethod> methods, const char* file,
                  const char* scene_file, std::uint32_t depth) {
-    const Cave cave = open_cave(file, depth);
+    const Cave cave = open_cave(file, {.depth = depth});
     const Scene scene = read_scene(scene_file);
     const OctreeView octree = cave.light();
     const auto lobes = static_cast<double>(octree.lobes.size());

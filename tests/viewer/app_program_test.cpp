@@ -147,6 +147,23 @@ TEST(ViewProgram, SimulatesLightOnCoarserLeavesButDrawsTheSamePoints) {
     EXPECT_NEAR(ratio, 1.0, 0.1);
 }
 
+TEST(ViewProgram, SimulatesLightAtTheDeepestLevelThatFitsItsMemory) {
+    const Cave cave;
+    const auto levels = [&](const char* memory) {
+        return cave.view({"--camera", "lit", "--bounces", "1", "--light-memory", memory, "--json",
+                          "-o", cave.path(std::string(memory) + ".exr")});
+    };
+    const Ended all = levels("1G"), less = levels("1M"), none = levels("1k");
+    ASSERT_EQ(all.code, 0) << all.err;
+    EXPECT_EQ(nlohmann::json::parse(all.out)["light_depth"], 5);
+    EXPECT_THAT(all.err, ::testing::Not(HasSubstr("--light-memory")));
+    ASSERT_EQ(less.code, 0) << less.err;
+    EXPECT_LT(nlohmann::json::parse(less.out)["light_depth"], 5);
+    EXPECT_THAT(less.err, HasSubstr("light is simulated at level"));
+    EXPECT_EQ(none.code, 6);
+    EXPECT_THAT(none.err, HasSubstr("--light-memory"));
+}
+
 TEST(ViewProgram, RefusesAnOctreeWhoseIndicesLeadOutside) {
     const Cave cave;
     const OctreeFile sound = OctreeFile::open(cave.octree);

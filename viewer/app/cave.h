@@ -6,6 +6,7 @@
 
 #include "octree/octree.h"
 #include "octree/octree_file.h"
+#include "viewer/light/settings.h"
 
 namespace glowworm {
 
@@ -19,10 +20,17 @@ struct Cave {
     OctreeView light() const { return coarse ? coarse->view() : file.view(); }
 };
 
+/// The level of light's leaves.
+struct LightLevel {
+    std::optional<std::uint32_t> depth;  ///< at least 1; the file's where it is empty
+    std::uint64_t memory = 0;            ///< bytes that light may take on the GPU; 0: any
+    LightSettings light;                 ///< what it takes depends on these
+};
+
 /// Maps `path` and looks whether every index in it stays inside, so that the GPU can follow them.
-/// `light_depth` is the level of light's leaves, at least 1; the file's where it is empty. Throws
-/// Error (kUnreadable) for what is no whole and sound octree, (kUsage) where light_depth is more
-/// than its depth.
-Cave open_cave(const std::filesystem::path& path, std::optional<std::uint32_t> light_depth = {});
+/// Where light would take more than `level.memory`, it is simulated at the deepest level where it
+/// does not, and the log says so. Throws Error (kUnreadable) for what is no whole and sound octree,
+/// (kUsage) where `level.depth` is more than its depth, (kBudget) where no level fits the memory.
+Cave open_cave(const std::filesystem::path& path, const LightLevel& level = {});
 
 }  // namespace glowworm

@@ -29,7 +29,8 @@ int run(int argc, char** argv) {
         static_cast<std::size_t>(options->threads > 0 ? options->threads
                                                       : tbb::info::default_concurrency()));
 
-    const Cave cave = open_cave(options->octree, options->light_depth);
+    const Cave cave = open_cave(
+        options->octree, {options->light_depth, options->light_memory, options->light});
     if (!options->headless) {
         run_window(*options, cave);
         return static_cast<int>(ExitCode::kDone);

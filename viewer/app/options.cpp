@@ -181,6 +181,12 @@ std::optional<Options> read_options(int argc, char** argv) {
                                               "simulate light on leaves at this level, at most the "
                                               "file's depth")
                                    ->check(CLI::Range(1u, kMaxDepth));
+    auto* light_memory_option =
+        app.add_option("--light-memory", options.light_memory,
+                       "what light may take on the GPU (2G, 500M; 0: any), its links included; it "
+                       "is simulated at the deepest level that fits, and that is said (1536M; with "
+                       "--light-depth any)")
+            ->transform(CLI::AsSizeValue(false));
     app.add_option("--interpolation", interpolation, "between leaves: trilinear or tricubic")
         ->check(CLI::IsMember({"trilinear", "tricubic"}));
     auto* specular_option =
@@ -238,7 +244,10 @@ std::optional<Options> read_options(int argc, char** argv) {
     if (!size.empty()) options.size = size_of(size);
     if (bounces_option->count() > 0) options.bounces = bounces;
     if (exposure_option->count() > 0) options.display.exposure = exposure;
-    if (light_depth_option->count() > 0) options.light_depth = light_depth;
+    if (light_depth_option->count() > 0) {
+        options.light_depth = light_depth;
+        if (light_memory_option->count() == 0) options.light_memory = 0;
+    }
     if (cones_option->count() > 0 || options.light.faithful) {
         options.light.gather = Gather::kCones;
     }

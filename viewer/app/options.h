@@ -34,6 +34,8 @@ struct Options {
 
     LightSettings light;
     std::optional<std::uint32_t> light_depth;  ///< empty: the file's
+    /// Bytes, 0: any. The default lets nothing of light be larger than OpenGL must be able to bind.
+    std::uint64_t light_memory = std::uint64_t{3} << 29;
     FrameSettings frame;
     DisplaySettings display;
 

@@ -86,7 +86,8 @@ void Session::load_scene(const std::filesystem::path& path) {
 void Session::take_drop(const std::filesystem::path& path) {
     try {
         if (path.extension() == ".svo") {
-            next_ = NextCave{path, open_cave(path, options_.light_depth)};
+            const LightLevel level{options_.light_depth, options_.light_memory, options_.light};
+            next_ = NextCave{path, open_cave(path, level)};
         } else if (path.extension() == ".json") {
             try {
                 state_.path = read_camera_path(path);

@@ -74,6 +74,18 @@ void check_binding(const Context& context, const char* what, std::size_t bytes) 
 
 }  // namespace
 
+std::uint64_t light_bytes(std::uint64_t nodes, std::uint64_t lobes, const LightSettings& settings) {
+    constexpr std::uint64_t kSideBytes = 8;                   // halves, cones.cpp
+    constexpr std::uint64_t kFields = 5 * sizeof(gpu::vec4);  // emitted to gathered, light_field.h
+    constexpr std::uint64_t kLit = 2 * sizeof(gpu::LobeLight);  // before and after smoothing
+    constexpr std::uint64_t kHistory = 4 * (sizeof(float) + sizeof(gpu::vec4));  // anderson.h
+    const bool cones = settings.gather == Gather::kCones || settings.faithful;
+    const std::uint64_t of_node = sizeof(Node) + (cones ? 6 * kSideBytes : 0);
+    const std::uint64_t of_lobe = sizeof(Lobe) + kFields + kLit + kHistory +
+                                  (cones ? 0 : settings.links * sizeof(std::uint32_t));
+    return nodes * of_node + lobes * of_lobe;
+}
+
 GpuOctree upload(const Context& context, const OctreeView& octree, const LightSettings& settings) {
     check_binding(context, "nodes", octree.nodes.size_bytes());
     check_binding(context, "lobes", octree.lobes.size_bytes());

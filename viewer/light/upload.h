@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "octree/octree_file.h"
@@ -17,6 +18,10 @@ struct GpuOctree {
     Buffer lobes;  ///< Lobe
     gpu::LightGrid grid{};
 };
+
+/// Bytes on the GPU while the light of an octree of so many nodes and lobes settles: the octree, its
+/// links or cones, the light of its lobes, and what settling and smoothing keep meanwhile.
+std::uint64_t light_bytes(std::uint64_t nodes, std::uint64_t lobes, const LightSettings& settings);
 
 /// Throws Error (kBudget) where a section is larger than one binding of `context` may show.
 GpuOctree upload(const Context& context, const OctreeView& octree, const LightSettings& settings);
