@@ -14,8 +14,6 @@
 namespace glowworm {
 namespace {
 
-constexpr double kReadError = 0.25;  // the share by which the prediction may be too high
-
 /// Refuses what cannot fit: as many of the largest files as are read at a time.
 void require_budget_for_files(const SharedFlags& flags,
                               std::span<const std::filesystem::path> files,
@@ -27,7 +25,7 @@ void require_budget_for_files(const SharedFlags& flags,
     points.resize(std::min(points.size(), static_cast<std::size_t>(thread_count(flags))));
     Workload work;
     work.points = std::accumulate(points.begin(), points.end(), std::uint64_t{0});
-    work.error = kReadError;
+    work.error = kPilotError;
     require_budget(flags, predict(work), Reach::kRegister);
 }
 

@@ -144,6 +144,12 @@ int main(int argc, char** argv) {
         return glowworm::say(words, ExitCode::kBudget,
                              "out of memory; give more with --memory-limit, or use fewer scans");
     } catch (const std::exception& error) {
+        // What TBB throws where no memory is left for a thread's stack.
+        if (std::string_view(error.what()).starts_with("pthread_create")) {
+            return glowworm::say(words, ExitCode::kBudget,
+                                 "no memory for another thread; give more with --memory-limit, or "
+                                 "use fewer --threads");
+        }
         return glowworm::say(words, ExitCode::kInternal,
                              fmt::format("internal error: {}", error.what()));
     }

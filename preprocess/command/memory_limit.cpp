@@ -13,7 +13,8 @@
 namespace glowworm {
 namespace {
 
-constexpr std::uint64_t kProgramPages = 40'000'000;  // libraries' code and tables, measured
+constexpr std::uint64_t kProgramPages = 45'000'000;  // libraries' code and tables, measured
+constexpr std::uint64_t kLeastData = 4'000'000;
 constexpr std::uint64_t kStack = 8'388'608;  // counted whole by the system, hardly ever touched
 
 /// What a unit stands for; 0 where it is none.
@@ -47,7 +48,7 @@ std::uint64_t parse_size(const std::string& text) {
 
 void limit_memory(std::uint64_t bytes, int threads) {
     if (bytes == 0) return;
-    const std::uint64_t usable = bytes - std::min(bytes / 2, kProgramPages) +
+    const std::uint64_t usable = std::max(bytes - std::min(bytes, kProgramPages), kLeastData) +
                                  kStack * static_cast<std::uint64_t>(std::max(threads, 1));
     struct rlimit limit = {};
     const bool known = ::getrlimit(RLIMIT_DATA, &limit) == 0;

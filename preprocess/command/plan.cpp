@@ -140,6 +140,11 @@ void require_budget(Run& run, const std::vector<fs::path>& files, const ConvertS
                     Reach reach) {
     Workload announced = announced_work(files, settings.read);
     announced.links = settings.links;
+    if (reach == Reach::kSurface) {
+        // Of a merged cloud each point becomes a surfel.
+        announced.octree.surfels = static_cast<double>(announced.points);
+        announced.error = kPilotError;
+    }
     const Prediction guess = predict(announced);
     require_budget(run.flags, guess, reach);
     if (reach == Reach::kSurface || surely_fits(run.flags, guess, needs_of(guess, reach))) return;

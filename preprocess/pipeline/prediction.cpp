@@ -35,7 +35,6 @@ constexpr double kNodesPerLeaf = 1.35;
 constexpr double kLobesPerLeaf = 1.2;
 constexpr std::size_t kPairsPerScan = 8;
 constexpr double kGuessError = 0.5;
-constexpr double kPilotError = 0.25;
 
 /// How many points the headers of a file announce; where they announce none, what its size holds.
 std::uint64_t announced_points(const std::filesystem::path& file, const ReadSettings& settings,

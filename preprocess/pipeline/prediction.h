@@ -10,6 +10,9 @@
 
 namespace glowworm {
 
+/// By how much a pilot's prediction may be too high.
+inline constexpr double kPilotError = 0.25;
+
 /// What there is to do: guessed from the files' headers, or told by a pilot.
 struct Workload {
     std::size_t scans = 1;
