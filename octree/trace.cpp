@@ -17,6 +17,14 @@ constexpr float kSameSurface = 0.5f;    // cosine of 60 degrees
 constexpr float kLampHeight = 0.5f;     // leaf edges: what is that near a lamp's plane is the lamp
 constexpr float kLampCosine = 0.8f;     // and has a normal along its axis
 
+/// How many bits a child mask has: std::popcount is a call where the processor is any x86-64.
+constexpr std::array<std::uint8_t, 256> kBitsIn = [] {
+    std::array<std::uint8_t, 256> bits{};
+    for (unsigned mask = 0; mask < 256; ++mask)
+        bits[mask] = static_cast<std::uint8_t>(std::popcount(mask));
+    return bits;
+}();
+
 /// The walk of a ray through the cells of the octree, in units of a leaf's edge.
 class CellWalk {
   public:
@@ -67,10 +75,10 @@ class CellWalk {
     int cell(int axis) const { return cell_[axis]; }
 
   private:
+    /// Both bounds are at least 0, so what lies between is rounded down.
     int cell_of(int axis, int low, int high) const {
         const float at = origin_[axis] + direction_[axis] * t_;
-        return static_cast<int>(
-            std::clamp(std::floor(at), static_cast<float>(low), static_cast<float>(high)));
+        return static_cast<int>(std::clamp(at, static_cast<float>(low), static_cast<float>(high)));
     }
 
     /// Down from the deepest node known to hold the cell. Returns the level of the empty cell, or
@@ -87,8 +95,7 @@ class CellWalk {
                 return level + 1;
             }
             path_[static_cast<std::size_t>(level) + 1] =
-                node.first +
-                static_cast<std::uint32_t>(std::popcount(node.mask & ((1u << octant) - 1u)));
+                node.first + kBitsIn[node.mask & ((1u << octant) - 1u)];
         }
         known_ = depth_;
         return depth_ + 1;
@@ -117,7 +124,7 @@ class CellWalk {
         for (int a = 0; a < 3; ++a) {
             const int at = low[static_cast<std::size_t>(a)];
             if (a != axis) {
-                cell_[a] = cell_of(a, at, at + size - 1);
+                if (size > 1) cell_[a] = cell_of(a, at, at + size - 1);
                 continue;
             }
             const int next = direction_[a] > 0.0f ? at + size : at - 1;
