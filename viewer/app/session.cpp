@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <tuple>
 
 #include "viewer/app/console.h"
 #include "viewer/app/default_scene.h"
@@ -164,7 +163,7 @@ bool Session::draw_frame() {
     const WindowExtent extent = window_.framebuffer();
     if (extent.width == 0 || extent.height == 0) return false;  // minimised
     const int divisor = pace_.divisor(resting_seconds() < kRestSeconds);
-    stale_ = stale_ || (sharpening_.active() && sharpened_as_ != look());
+    stale_ = stale_ || drawn_as_ != surfaces() || (sharpening_.active() && sharpened_as_ != look());
     if (!stale_ && divisor >= state_.divisor) return sharpen(extent);
     sharpening_.stop();
     SelectionSettings selection = options_.frame.selection;
@@ -181,6 +180,7 @@ bool Session::draw_frame() {
     const double seconds = now_seconds() - begun;
     pace_.drawn(divisor, seconds);
     drawn_ = view;
+    drawn_as_ = surfaces();
     stale_ = !frame_.is_complete();  // the next one is finer
     wanted_exposure_ =
         measured_exposure(display_.luminances(frame_.beauty(), view.width, view.height));
@@ -218,6 +218,10 @@ bool Session::sharpen(const WindowExtent& window) {
     display_.draw(frame_.beauty(), sharpening_.target(), state_.exposure, state_.curve);
     sharpening_.put();
     return true;
+}
+
+Session::Surfaces Session::surfaces() const {
+    return {state_.pixels_between_points, state_.wetness, state_.clip, state_.clip_box};
 }
 
 Session::Look Session::look() const {
@@ -264,13 +268,7 @@ void Session::show(double seconds) {
     state_.scheme = navigator_.scheme();
     state_.speed = static_cast<float>(navigator_.camera().speed());
     state_.vfov_deg = static_cast<float>(navigator_.camera().vfov_deg());
-    const auto drawn_from = [&] {
-        return std::tuple(state_.pixels_between_points, state_.wetness, state_.clip,
-                          state_.clip_box);
-    };
-    const auto before = drawn_from();
     panel_.draw(state_, view_of_size(screen.width, screen.height));
-    stale_ = stale_ || before != drawn_from();
     window_.swap();
     if (shown_ == 0) spdlog::debug("the first picture after {:.2f} s", now_seconds() - opened_at_);
     if (shown_ < std::numeric_limits<int>::max()) ++shown_;

@@ -37,6 +37,13 @@ class Session {
     std::optional<NextCave> run();
 
   private:
+    /// What of the cave is drawn, and how.
+    struct Surfaces {
+        float pixels_between_points = 0.0f, wetness = 0.0f;
+        bool clip = false;
+        Box clip_box;
+        bool operator==(const Surfaces&) const = default;
+    };
     /// What a picture looks like, beside what is in it.
     struct Look {
         Layer layer = Layer::kPicture;
@@ -53,6 +60,7 @@ class Session {
     void move_headlamp();
     bool draw_frame();
     bool sharpen(const WindowExtent& window);
+    Surfaces surfaces() const;
     Look look() const;
     bool exposure_settled() const;
     void adapt_exposure(double seconds);
@@ -109,6 +117,7 @@ class Session {
     Canvas canvas_;
     Sharpening sharpening_;
     Look sharpened_as_;
+    Surfaces drawn_as_;
     Pace pace_;
     std::optional<NextCave> next_;
 

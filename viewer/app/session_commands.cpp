@@ -168,6 +168,10 @@ void Session::carry_out(const Request& request) {
             const Vec3d middle = navigator_.in_survey() ? navigator_.survey().centre
                                                         : navigator_.camera().position();
             state_.clip_box = {middle - reach, middle + reach};
+            if (navigator_.in_survey()) {  // whatever lies above and below it
+                state_.clip_box.low.z = navigator_.bounds().low.z;
+                state_.clip_box.high.z = navigator_.bounds().high.z;
+            }
             state_.clip = true;
             break;
         }
