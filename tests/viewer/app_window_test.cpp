@@ -118,6 +118,14 @@ TEST(Window, OpensOnALitPictureWithoutASceneAndEndsAtEscape) {
     ASSERT_TRUE(visit.save_picture(1)) << visit.log();
     std::cout << "mean radiance " << visit.mean_red(1) << "\n";
     EXPECT_GT(visit.mean_red(1), 1e-3);
+
+    visit.desktop().resize(1, 1);
+    visit.desktop().resize(200, 150);
+    visit.desktop().hide_for_a_moment();
+    ASSERT_TRUE(visit.save_picture(2)) << visit.log();
+    EXPECT_EQ(visit.red(2).size(), 200u * 150u);
+    EXPECT_NEAR(visit.mean_red(2), visit.mean_red(1), 0.02 * visit.mean_red(1))
+        << "the same view, as wide";
     EXPECT_EQ(visit.end(), 0) << visit.log();
 }
 

@@ -123,6 +123,16 @@ bool Desktop::focus(const std::string& title) const {
     return true;
 }
 
+void Desktop::resize(int width, int height) const {
+    tell({"getwindowfocus", "windowsize", std::to_string(width), std::to_string(height)});
+    pause(0.8);
+}
+
+void Desktop::hide_for_a_moment() const {
+    tell({"getwindowfocus", "windowunmap", "sleep", "0.5", "windowmap", "windowfocus"});
+    pause(0.8);
+}
+
 void Desktop::key(const std::string& name) const {
     tell({"key", name});
     pause(0.8);

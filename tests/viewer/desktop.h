@@ -41,6 +41,9 @@ class Desktop {
     const std::string& display() const { return display_; }  ///< ":99"
     /// The window whose title has this in it comes to the front and gets the keyboard.
     bool focus(const std::string& title) const;
+    /// The window that has the keyboard; of the screen's pixels.
+    void resize(int width, int height) const;
+    void hide_for_a_moment() const;
     void key(const std::string& name) const;  ///< "ctrl+s"
     void hold(const std::string& name, double seconds) const;
     void click(int x, int y) const;  ///< pixels of the screen

@@ -13,6 +13,7 @@ namespace glowworm {
 
 struct WindowExtent {
     int width = 0, height = 0;
+    bool operator==(const WindowExtent&) const = default;
 };
 
 /// A key that went down, with what was held: GLFW_KEY_* and GLFW_MOD_*.

@@ -66,8 +66,11 @@ void Panel::draw(WindowState& state, const View& view) {
     ImGui::NewFrame();
     draw_overlay(state, view);
     if (state.visible) {
-        ImGui::SetNextWindowPos({10, 10}, ImGuiCond_FirstUseEver);
-        ImGui::SetNextWindowSize({320, static_cast<float>(view.height) - 20}, ImGuiCond_Once);
+        // Where people put it, until the window gets another size: it might lie outside then.
+        const ImGuiCond when = view.height == height_ ? ImGuiCond_Once : ImGuiCond_Always;
+        height_ = view.height;
+        ImGui::SetNextWindowPos({10, 10}, when);
+        ImGui::SetNextWindowSize({320, static_cast<float>(view.height) - 20}, when);
         ImGui::Begin("Glowworm");
         ImGui::PushItemWidth(-110.0f);
         ImGui::Text("%.0f ms a frame at 1/%d, %.0f %% sharp", state.frame_ms, state.divisor,

@@ -21,6 +21,9 @@ class Panel {
     bool wants_mouse() const;
     bool wants_keyboard() const;
     bool is_editing() const;  ///< a value is held with the mouse or typed into
+
+  private:
+    int height_ = 0;  // of the window, screen units
 };
 
 // The panel's sections, a file each.

@@ -162,6 +162,11 @@ void Session::moved() {
 bool Session::draw_frame() {
     const WindowExtent extent = window_.framebuffer();
     if (extent.width == 0 || extent.height == 0) return false;  // minimised
+    if (extent != paced_extent_) {
+        pace_ = {};  // what was learnt holds for other pixels
+        paced_extent_ = extent;
+        stale_ = true;
+    }
     const int divisor = pace_.divisor(resting_seconds() < kRestSeconds);
     stale_ = stale_ || drawn_as_ != surfaces() || (sharpening_.active() && sharpened_as_ != look());
     if (!stale_ && divisor >= state_.divisor) return sharpen(extent);
@@ -182,8 +187,8 @@ bool Session::draw_frame() {
     drawn_ = view;
     drawn_as_ = surfaces();
     stale_ = !frame_.is_complete();  // the next one is finer
-    wanted_exposure_ =
-        measured_exposure(display_.luminances(frame_.beauty(), view.width, view.height));
+    const auto luminances = display_.luminances(frame_.beauty(), view.width, view.height);
+    if (!luminances.empty()) wanted_exposure_ = measured_exposure(luminances);
 
     state_.frame_ms = seconds * 1e3;
     state_.divisor = divisor;

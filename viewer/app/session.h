@@ -119,6 +119,7 @@ class Session {
     Look sharpened_as_;
     Surfaces drawn_as_;
     Pace pace_;
+    WindowExtent paced_extent_;  // the window that it was learnt in
     std::optional<NextCave> next_;
 
     std::vector<Lamp> lit_lamps_;  // what the light was last computed for
