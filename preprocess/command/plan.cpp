@@ -97,6 +97,12 @@ void print_plan(const Pilot& pilot, const Needs& needs, int threads, Reach reach
                    100.0 * pilot.grid.voxel_size(),
                    format_count(static_cast<std::uint64_t>(pilot.octree.leaves)));
     }
+    if (reach == Reach::kAll && pilot.least_depth != pilot.most_depth) {
+        fmt::print(
+            "        narrowly: it may be {} or {}, a level is four times the leaves; --depth "
+            "decides it\n",
+            pilot.least_depth, pilot.most_depth);
+    }
     fmt::print("memory  {}\n", format_bytes(needs.memory));
     fmt::print("disk    {} for the output, {} while it works\n", format_bytes(needs.output),
                format_bytes(needs.work));
@@ -173,6 +179,8 @@ Json plan_work(Run& run, const std::vector<fs::path>& files, const ConvertSettin
         result.update({{"placed", pilot.placed},
                        {"surfels", static_cast<std::uint64_t>(pilot.octree.surfels)},
                        {"depth", pilot.grid.depth},
+                       {"least_depth", pilot.least_depth},
+                       {"most_depth", pilot.most_depth},
                        {"voxel_size", pilot.grid.voxel_size()},
                        {"leaves", static_cast<std::uint64_t>(pilot.octree.leaves)},
                        {"stages", stages_json(p)}});

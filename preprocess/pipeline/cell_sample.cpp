@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kLeastCells = 24;
 constexpr std::uint32_t kDeepest = 7;
-constexpr double kLeastStride = 2.5;  // less is not worth leaving cells out
+constexpr double kLeastStride = 5.0;  // less is not worth leaving cells out
 
 std::map<std::uint64_t, double> points_by_cell(const Grid& grid,
                                                std::span<const WeightedPlace> places,

@@ -4,6 +4,7 @@
 
 #include "octree/build.h"
 #include "octree/error.h"
+#include "octree/size_estimate.h"
 #include "octree/octree.h"
 
 namespace glowworm {
@@ -36,8 +37,13 @@ double OctreeSize::bytes(std::uint32_t links) const {
 OctreeSize size_by_cells(const SurfelCloud& part, const CellSample& cells,
                          std::span<const WeightedPlace> places, const Grid& grid) {
     if (cells.level() > grid.depth) return size_by_places(part, cells, places, grid);
+    // Leaves much smaller than the points' distance are counted from larger ones.
+    const CloudSummary summary = summarize(part.surfels);
+    Grid shallow = grid;
+    while (shallow.depth > cells.level() && shallow.voxel_size() < 0.5 * summary.median_spacing())
+        --shallow.depth;
     BuildSettings settings;
-    settings.grid = grid;
+    settings.grid = shallow;
     OctreeSize size;
     double built = 0.0;
     const std::size_t count = cells.cells().size();
@@ -55,6 +61,13 @@ OctreeSize size_by_cells(const SurfelCloud& part, const CellSample& cells,
         } catch (const Error& error) {
             if (error.code() != ExitCode::kDegenerate) throw;  // nothing of the cell was left
         }
+    }
+    if (shallow.depth < grid.depth) {
+        const SizeEstimate from = estimate_size(summary, shallow),
+                           to = estimate_size(summary, grid);
+        size.leaves *= to.leaves / from.leaves;
+        size.lobes *= to.leaves / from.leaves;
+        size.nodes *= to.nodes / from.nodes;
     }
     return size.times(cells.stands_for() * static_cast<double>(count) / std::max(built, 1.0));
 }

@@ -19,6 +19,7 @@ namespace {
 constexpr double kPilotPoints = 80'000.0;         // that go through all stages
 constexpr std::size_t kMiniaturePoints = 60'000;  // of the whole, thinned, for its light
 constexpr double kMargin = 8.0;                   // round a cell, in spacings of one scan
+constexpr double kSpacingError = 0.05;            // of the median surfel's radius
 constexpr std::uint32_t kPilotRays = 8;
 
 /// Bounds of all scans, and the spacing that says how deep the octree becomes.
@@ -193,10 +194,17 @@ Pilot run_pilot(std::span<const std::filesystem::path> files, const ConvertSetti
     const SurfelCloud surfels = make_pilot_surfels(picked, poses, settings, origin, pilot);
     // Where these cells are all, their surfels are those of the conversion, strays gone.
     const bool is_whole = cells.level() == 0 && places.size() == scans.size();
-    pilot.grid =
-        fit_grid(is_whole ? summarize(surfels.surfels)
-                          : summary_of(box, longer, relative, median_radius_inside(surfels, cells)),
-                 origin, build);
+    const CloudSummary summary =
+        is_whole ? summarize(surfels.surfels)
+                 : summary_of(box, longer, relative, median_radius_inside(surfels, cells));
+    const auto grid_for = [&](double times_wider) {
+        CloudSummary other = summary;
+        other.median_radius *= times_wider;
+        return fit_grid(other, origin, build);
+    };
+    pilot.grid = grid_for(1.0);
+    pilot.least_depth = grid_for(1.0 + kSpacingError).depth;
+    pilot.most_depth = grid_for(1.0 - kSpacingError).depth;
 
     // 4. The octree of these cells, and what stands for all.
     pilot.octree = size_by_cells(surfels, cells, together, pilot.grid);

@@ -22,6 +22,8 @@ struct Pilot {
     std::size_t placed = 0;        ///< scans whose poses are known or were found
     std::size_t pairs = 0;         ///< of scans that registration will try
     Grid grid;                     ///< where the octree will go
+    /// Its depth where the points' spacing is 5 % off: another one where it is decided narrowly.
+    std::uint32_t least_depth = 0, most_depth = 0;
     OctreeSize octree;
     /// Processor seconds for a pair of scans, a surfel and a link; 0 where there was none to do.
     double pair_time = 0.0, surface_time = 0.0, link_time = 0.0;

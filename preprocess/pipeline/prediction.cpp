@@ -24,7 +24,7 @@ constexpr double kMergeTime = 1.9e-6;    // a point
 constexpr double kSurfaceTime = 2.6e-6;  // a surfel
 constexpr double kBuildTime = 0.7e-6;    // a surfel
 constexpr double kLeafTime = 1.5e-6;
-constexpr double kLinkTime = 1.0e-6;  // where none was traced
+constexpr double kLinkTime = 0.7e-6;  // where none was traced
 constexpr double kParallel = 0.9;     // share of the cores that is at work
 
 // Where only headers are known. n scans show less than n times what one shows: they overlap.
