@@ -163,8 +163,9 @@ void archive(A& file, T& all) {
 
 template <typename A, Is<Fit> T>
 void archive(A& file, T& all) {
-    auto& [T_target_source, converged, inliers, rmse, p95, information, centre, extent] = all;
-    file(T_target_source, converged, inliers, rmse, p95);
+    auto& [T_target_source, converged, inliers, rmse, p95, expected, information, centre, extent] =
+        all;
+    file(T_target_source, converged, inliers, rmse, p95, expected);
     archive_numbers<36>(file, information);
     archive_numbers<3>(file, centre);
     file(extent);

@@ -92,7 +92,7 @@ Beginning begin(std::span<const Scan> scans, const RegistrationSettings& setting
     tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) {
         ScanModel& model = begun.models[i];
         model = model_scan(scans[i], voxel_size, settings.upright, begun.all_seen);
-        if (n > 1 && !begun.frame.all_given) model.keypoints = describe(model.coarse);
+        if (n > 1 && !begun.frame.all_given) model.keypoints = describe(model.wide);
         shared.step();
     });
 
@@ -156,7 +156,7 @@ std::vector<PairFit> try_pairs(std::span<const Scan> scans, const RegistrationSe
             pairs, [&](const ScanPair& pair) { return pair.first == i || pair.second == i; });
         if (!named) return;
         models[i] = model_scan(scans[i], plan.voxel_size, settings.upright, plan.all_seen);
-        models[i].keypoints = describe(models[i].coarse);
+        models[i].keypoints = describe(models[i].wide);
     });
     return align_pairs(models, pairs, {.voxel_size = plan.voxel_size, .upright = settings.upright},
                        shared);

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <set>
 
-#include "preprocess/register/hypotheses.h"
+#include "preprocess/register/guesses.h"
 
 namespace glowworm {
 namespace {
@@ -14,10 +14,18 @@ namespace {
 using ScanPair = std::pair<std::size_t, std::size_t>;
 
 constexpr std::size_t kFewPairs = 80;      // up to here all are tried
-constexpr std::size_t kDistinctive = 500;  // keypoints per scan that are compared first
+constexpr std::size_t kDistinctive = 400;  // keypoints per scan that are compared first
+constexpr std::size_t kLooked = 12;        // guesses of each kind that are looked at
+constexpr double kHopeless = -1e9;
+
+/// Some of a scan's keypoints, and which they are.
+struct Few {
+    std::vector<std::uint32_t> indices;
+    Keypoints keypoints;
+};
 
 /// The keypoints whose descriptors are farthest from the scan's mean: corners rather than walls.
-Keypoints most_distinctive(const Keypoints& all, std::size_t count) {
+Few most_distinctive(const Keypoints& all, std::size_t count) {
     std::vector<std::uint32_t> order(all.size());
     std::iota(order.begin(), order.end(), 0u);
     const Eigen::RowVectorXf mean = all.descriptors.colwise().mean();
@@ -26,12 +34,12 @@ Keypoints most_distinctive(const Keypoints& all, std::size_t count) {
         return distance[static_cast<Eigen::Index>(a)] > distance[static_cast<Eigen::Index>(b)];
     });
     order.resize(std::min(order.size(), count));
-    Keypoints few;
-    few.descriptors.resize(static_cast<Eigen::Index>(order.size()), 33);
+    Few few{.indices = order, .keypoints = {}};
+    few.keypoints.descriptors.resize(static_cast<Eigen::Index>(order.size()), 33);
     for (std::size_t i = 0; i < order.size(); ++i) {
-        few.positions.push_back(all.positions[order[i]]);
-        few.normals.push_back(all.normals[order[i]]);
-        few.descriptors.row(static_cast<Eigen::Index>(i)) =
+        few.keypoints.positions.push_back(all.positions[order[i]]);
+        few.keypoints.normals.push_back(all.normals[order[i]]);
+        few.keypoints.descriptors.row(static_cast<Eigen::Index>(i)) =
             all.descriptors.row(static_cast<Eigen::Index>(order[i]));
     }
     return few;
@@ -40,21 +48,25 @@ Keypoints most_distinctive(const Keypoints& all, std::size_t count) {
 /// The pairs that are among the best `per_scan` of either scan.
 std::vector<ScanPair> promising(std::span<const ScanModel> models, std::span<const ScanPair> open,
                                 const PairSettings& pair_settings, std::size_t per_scan) {
-    std::vector<Keypoints> few(models.size());
+    std::vector<Few> few(models.size());
     tbb::parallel_for(std::size_t{0}, models.size(), [&](std::size_t i) {
         few[i] = most_distinctive(models[i].keypoints, kDistinctive);
     });
-    std::vector<std::size_t> score(open.size());
+    std::vector<double> score(open.size(), kHopeless);
     tbb::parallel_for(std::size_t{0}, open.size(), [&](std::size_t i) {
         const auto [target, source] = open[i];
-        const std::vector<Correspondence> matches = match(few[source], few[target]);
-        const std::vector<Hypothesis> guesses =
-            hypothesize(few[source], few[target], matches,
-                        {.tolerance = 2.0 * pair_settings.voxel_size,
-                         .upright = pair_settings.upright,
-                         .max_seeds = 20,
-                         .max_count = 1});
-        score[i] = guesses.empty() ? 0 : guesses[0].inliers;
+        std::vector<Correspondence> matches = match(few[source].keypoints, few[target].keypoints);
+        for (Correspondence& match : matches) {
+            match.source = few[source].indices[match.source];
+            match.target = few[target].indices[match.target];
+        }
+        const std::vector<Guess> guesses = guess_poses(models[source], models[target], matches,
+                                                       {.voxel_size = pair_settings.voxel_size,
+                                                        .upright = pair_settings.upright,
+                                                        .max_grown = kLooked,
+                                                        .max_levelled = kLooked,
+                                                        .max_count = 1});
+        if (!guesses.empty()) score[i] = guesses[0].support;
     });
     std::vector<std::size_t> order(open.size());
     std::iota(order.begin(), order.end(), std::size_t{0});

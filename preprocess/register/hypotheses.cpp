@@ -14,9 +14,8 @@ namespace {
 constexpr float kAngleTolerance = 0.25f;  // of cosines
 constexpr float kNormalsAgree = 0.8f;     // cosine
 constexpr std::size_t kGrownFrom = 30;    // partners a seed is fitted with
-constexpr std::size_t kFewestInliers = 6;
-constexpr double kSameTurn = 0.1;   // radians: guesses nearer than this are one
-constexpr double kSameShift = 3.0;  // in tolerances
+constexpr double kSameTurn = 0.1;         // radians: guesses nearer than this are one
+constexpr double kSameShift = 3.0;        // in tolerances
 
 /// A correspondence's two ends.
 struct Match {
@@ -78,6 +77,17 @@ std::vector<std::uint32_t> inliers_of(const Eigen::Isometry3d& T, std::span<cons
     return inliers;
 }
 
+std::vector<Match> ends_of(const Keypoints& source, const Keypoints& target,
+                           std::span<const Correspondence> correspondences) {
+    std::vector<Match> matches;
+    for (const Correspondence& c : correspondences) {
+        matches.push_back({to_eigen(source.positions[c.source]), to_eigen(source.normals[c.source]),
+                           to_eigen(target.positions[c.target]),
+                           to_eigen(target.normals[c.target])});
+    }
+    return matches;
+}
+
 Eigen::Isometry3d fit(std::span<const Match> matches, std::span<const std::uint32_t> chosen,
                       bool upright) {
     std::vector<Vec3f> source, target;
@@ -95,6 +105,14 @@ bool same(const Eigen::Isometry3d& A, const Eigen::Isometry3d& B, const Eigen::V
 }
 
 }  // namespace
+
+std::size_t count_agreeing(const Keypoints& source, const Keypoints& target,
+                           std::span<const Correspondence> matches,
+                           const Eigen::Isometry3d& T_target_source, double tolerance) {
+    return inliers_of(T_target_source, ends_of(source, target, matches),
+                      static_cast<float>(tolerance))
+        .size();
+}
 
 Eigen::Isometry3d fit_motion(std::span<const Vec3f> source, std::span<const Vec3f> target,
                              bool upright) {
@@ -132,14 +150,13 @@ Eigen::Isometry3d fit_motion(std::span<const Vec3f> source, std::span<const Vec3
 std::vector<Hypothesis> hypothesize(const Keypoints& source, const Keypoints& target,
                                     std::span<const Correspondence> correspondences,
                                     const HypothesisSettings& settings) {
-    std::vector<Match> matches;
-    for (const Correspondence& c : correspondences) {
-        const Match match{to_eigen(source.positions[c.source]), to_eigen(source.normals[c.source]),
-                          to_eigen(target.positions[c.target]), to_eigen(target.normals[c.target])};
-        if (settings.upright && std::abs(match.n.z() - match.m.z()) > kAngleTolerance) continue;
-        matches.push_back(match);
+    std::vector<Match> matches = ends_of(source, target, correspondences);
+    if (settings.upright) {
+        std::erase_if(matches, [](const Match& match) {
+            return std::abs(match.n.z() - match.m.z()) > kAngleTolerance;
+        });
     }
-    if (matches.size() < kFewestInliers) return {};
+    if (matches.size() < settings.fewest_inliers) return {};
     const float tolerance = static_cast<float>(settings.tolerance);
     const Compatibility compatibility(matches, tolerance, settings.upright);
 
@@ -156,7 +173,7 @@ std::vector<Hypothesis> hypothesize(const Keypoints& source, const Keypoints& ta
     std::vector<std::uint8_t> explained(matches.size());
     std::size_t tried = 0;
     for (const std::uint32_t seed : seeds) {
-        if (degrees[seed] + 1 < kFewestInliers || tried == settings.max_seeds) break;
+        if (degrees[seed] + 1 < settings.fewest_inliers || tried == settings.max_seeds) break;
         if (explained[seed]) continue;
         ++tried;
         std::vector<std::pair<std::size_t, std::uint32_t>> partners;  // shared partners, who
@@ -182,7 +199,7 @@ std::vector<Hypothesis> hypothesize(const Keypoints& source, const Keypoints& ta
         }
         inliers = inliers_of(guess.T_target_source, matches, tolerance);
         guess.inliers = inliers.size();
-        if (guess.inliers < kFewestInliers) continue;
+        if (guess.inliers < settings.fewest_inliers) continue;
         for (const std::uint32_t i : inliers)
             explained[i] = 1;
         found.push_back(guess);

@@ -10,10 +10,11 @@
 namespace glowworm {
 
 struct HypothesisSettings {
-    double tolerance = 0.1;       ///< m, > 0: how far right correspondences may miss
-    bool upright = false;         ///< only a turn about Z and a shift are sought
-    std::size_t max_seeds = 200;  ///< correspondences that a hypothesis is grown from
-    std::size_t max_count = 10;   ///< hypotheses kept
+    double tolerance = 0.1;          ///< m, > 0: how far right correspondences may miss
+    bool upright = false;            ///< only a turn about Z and a shift are sought
+    std::size_t max_seeds = 200;     ///< correspondences that a hypothesis is grown from
+    std::size_t max_count = 10;      ///< hypotheses kept
+    std::size_t fewest_inliers = 6;  ///< correspondences that have to agree, at least 3
 };
 
 /// A guess at how two scans lie, and how many correspondences agree with it.
@@ -31,6 +32,12 @@ struct Hypothesis {
 std::vector<Hypothesis> hypothesize(const Keypoints& source, const Keypoints& target,
                                     std::span<const Correspondence> matches,
                                     const HypothesisSettings& settings);
+
+/// How many of the correspondences `T_target_source` brings within `tolerance` metres, their
+/// normals alike.
+std::size_t count_agreeing(const Keypoints& source, const Keypoints& target,
+                           std::span<const Correspondence> matches,
+                           const Eigen::Isometry3d& T_target_source, double tolerance);
 
 /// The rigid motion that moves `source` onto `target` with least squares (Kabsch); with `upright`
 /// a turn about Z and a shift. At least 3 points.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "preprocess/register/correspondences.h"
+#include "preprocess/register/guesses.h"
 #include "preprocess/register/hypotheses.h"
 #include "preprocess/register/rivals.h"
 #include "preprocess/register/trust.h"
@@ -15,20 +16,26 @@ namespace {
 constexpr double kMostContradicted = 0.025;
 constexpr double kLeastOverlap = 0.08;
 constexpr std::size_t kLeastInliers = 200;
+// Sparse scans have few samples where they meet. That many within half a voxel whose residuals are
+// a tenth of that did not come there by chance.
+constexpr std::size_t kLeastExactInliers = 50;
+constexpr double kVeryExactRmse = 0.04;  // in voxel sizes
 // Without free space only the fit itself can speak, so more of it is asked for.
 constexpr double kLeastOverlapAlone = 0.30;
 constexpr std::size_t kLeastMatchesAlone = 12;
+constexpr std::size_t kNearest = 3;  // descriptors that may be each other's match
 constexpr std::size_t kFinalists = 3;
-constexpr double kWorstRmse = 0.20;  // in voxel sizes; right ones lie below 0.08
-constexpr double kAgainst = 8.0;     // how many agreeing samples one contradiction outweighs
+constexpr double kWorstRmse = 0.20;  // in voxel sizes
+// Right poses leave residuals as small as this or as the scans' own noise lets expect (1.1 to 1.7
+// times that, measured); mirror images that look nearly alike leave more, and so do scanners that
+// moved, for which many keypoints must speak.
+constexpr double kExactRmse = 0.07;  // in voxel sizes
+constexpr double kNoiseRmse = 3.0;   // in what the samples' variances let expect
+constexpr std::size_t kManyMatches = 150;
 // Of the winner's support: a believable pose elsewhere with that much is a rival. A passage that
 // repeats itself supports the least shift best, because then most is seen in common.
 constexpr double kRival = 0.4;
 constexpr double kElsewhere = 3.0;  // voxel sizes, at the middle of what is seen in common
-
-double support(const Agreement& agreement) {
-    return agreement.best_overlap() - kAgainst * agreement.contradicted();
-}
 
 bool elsewhere(const Eigen::Isometry3d& T, const Fit& fit, double voxel_size) {
     const Eigen::Isometry3d gap = T * fit.T_target_source.inverse();
@@ -58,10 +65,14 @@ void refine_finely(const ScanModel& source, const ScanModel& target, const Eigen
 
 bool believable(const PairFit& pair, const PairSettings& settings, bool has_free_space) {
     const bool given = pair.matches == 0;
-    if (pair.fit.inliers < kLeastInliers) return false;
+    const bool very_exact = pair.fit.rmse <= kVeryExactRmse * settings.voxel_size;
+    if (pair.fit.inliers < (very_exact ? kLeastExactInliers : kLeastInliers)) return false;
     if (pair.fit.rmse > kWorstRmse * settings.voxel_size) return false;
     if (pair.agreement.contradicted() > kMostContradicted) return false;
     if (pair.agreement.best_overlap() < kLeastOverlap) return false;
+    const bool exact =
+        pair.fit.rmse <= std::max(kExactRmse * settings.voxel_size, kNoiseRmse * pair.fit.expected);
+    if (!given && !exact && pair.matches < kManyMatches) return false;
     return has_free_space || given ||
            (pair.agreement.best_overlap() >= kLeastOverlapAlone &&
             pair.matches >= kLeastMatchesAlone);
@@ -91,24 +102,22 @@ PairFit judge(const ScanModel& source, const ScanModel& target, const Eigen::Iso
 
 PairFit align_pair(const ScanModel& source, const ScanModel& target, const PairSettings& settings) {
     // 1. Correspondences and guesses.
-    const std::vector<Correspondence> matches = match(source.keypoints, target.keypoints);
-    const std::vector<Hypothesis> guesses =
-        hypothesize(source.keypoints, target.keypoints, matches,
-                    {.tolerance = 2.0 * settings.voxel_size, .upright = settings.upright});
+    const std::vector<Correspondence> matches = match(source.keypoints, target.keypoints, kNearest);
+    const std::vector<Guess> guesses = guess_poses(
+        source, target, matches, {.voxel_size = settings.voxel_size, .upright = settings.upright});
 
     // 2. Each guess refined on few samples, and both scans asked.
     struct Tried {
         Eigen::Isometry3d T;
-        std::size_t matches;
         double support;
     };
     std::vector<Tried> tried;
-    for (const Hypothesis& guess : guesses) {
+    for (const Guess& guess : guesses) {
         const Fit fit = refine(source.coarse, target.coarse, guess.T_target_source,
                                coarse_settings(settings, 1500));
         const Agreement agreement =
             verify(source, target, fit.T_target_source, settings.voxel_size, 800);
-        tried.push_back({fit.T_target_source, guess.inliers, support(agreement)});
+        tried.push_back({fit.T_target_source, agreement.support()});
     }
     std::stable_sort(tried.begin(), tried.end(),
                      [](const Tried& a, const Tried& b) { return a.support > b.support; });
@@ -117,21 +126,23 @@ PairFit align_pair(const ScanModel& source, const ScanModel& target, const PairS
     PairFit best;
     for (std::size_t i = 0; i < std::min(tried.size(), kFinalists); ++i) {
         PairFit pair;
-        pair.matches = tried[i].matches;
+        pair.matches =
+            std::max<std::size_t>(1, count_agreeing(source.keypoints, target.keypoints, matches,
+                                                    tried[i].T, 2.0 * settings.voxel_size));
         refine_finely(source, target, tried[i].T, settings, pair);
-        if (i == 0 || support(pair.agreement) > support(best.agreement)) best = pair;
+        if (i == 0 || pair.agreement.support() > best.agreement.support()) best = pair;
         if (best.believed) break;
     }
     if (!best.believed || !weak_axes(best.fit).empty()) return best;
 
     // 4. Any other place that fits nearly as well, led to by keypoints or not?
-    const double least = kRival * support(best.agreement);
+    const double least = kRival * best.agreement.support();
     const auto rivals = [&](const Eigen::Isometry3d& T) {
         if (!elsewhere(T, best.fit, settings.voxel_size)) return false;
         PairFit rival;
         rival.matches = best.matches;
         refine_finely(source, target, T, settings, rival);
-        return rival.believed && support(rival.agreement) >= least &&
+        return rival.believed && rival.agreement.support() >= least &&
                elsewhere(rival.fit.T_target_source, best.fit, settings.voxel_size);
     };
     for (const Tried& other : tried) {
@@ -145,7 +156,7 @@ PairFit align_pair(const ScanModel& source, const ScanModel& target, const PairS
             refine(source.coarse, target.coarse, start, coarse_settings(settings, 1500))
                 .T_target_source;
         best.ambiguous =
-            support(verify(source, target, T, settings.voxel_size, 800)) >= least && rivals(T);
+            verify(source, target, T, settings.voxel_size, 800).support() >= least && rivals(T);
     }
     best.believed = !best.ambiguous;
     return best;

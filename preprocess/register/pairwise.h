@@ -36,11 +36,11 @@ PairFit align_from(const ScanModel& source, const ScanModel& target, const Eigen
 PairFit judge(const ScanModel& source, const ScanModel& target, const Eigen::Isometry3d& pose,
               const PairSettings& settings);
 
-/// The best supported pose of a pair from nothing: descriptors matched, guesses grown, each refined
-/// and verified, the winner refined finely. Not believed where there is none, nor where a second
-/// pose that lies elsewhere could be believed as well, as in a passage that repeats itself: such
-/// poses are looked for among the guesses and by sliding the winner along the passage; unless the
-/// winner has weak axes, which say it already.
+/// The best supported pose of a pair from nothing: descriptors matched, guesses made and looked at
+/// (see guesses.h), the best of them refined and verified, the winner refined finely. Not believed
+/// where there is none, nor where a second pose that lies elsewhere could be believed as well, as
+/// in a passage that repeats itself: such poses are looked for among the guesses and by sliding the
+/// winner along the passage; unless the winner has weak axes, which say it already.
 PairFit align_pair(const ScanModel& source, const ScanModel& target, const PairSettings& settings);
 
 /// Whether the evidence of the pair alone speaks for it: enough surface in common, (almost) none

@@ -39,15 +39,21 @@ double quantile(std::vector<double> values, double q) {
     return *at;
 }
 
+struct Partners {
+    std::vector<Partner> all;  // also those without a partner
+    double expected = 0;       // m, rms of the weighted residuals; 0: not known
+};
+
 /// Pairs every `step`-th source sample with its nearest target sample. Weights: one over the
 /// variance of the residual, their mean being 1.
-std::vector<Partner> find_partners(const SurfaceSamples& source, const SurfaceSamples& target,
-                                   const Eigen::Isometry3d& T, std::size_t step, float gate) {
+Partners find_partners(const SurfaceSamples& source, const SurfaceSamples& target,
+                       const Eigen::Isometry3d& T, std::size_t step, float gate) {
     const Eigen::Isometry3f Tf = T.cast<float>();
     const Eigen::Matrix3f R = Tf.linear();
     const std::size_t count = (source.size() + step - 1) / step;
     std::vector<Partner> partners(count);
     const double floor = std::pow(kSurest * target.spacing, 2);
+    const bool variances_known = !source.variances.empty() && !target.variances.empty();
     tbb::parallel_for(std::size_t{0}, (count + kBlock - 1) / kBlock, [&](std::size_t block) {
         for (std::size_t k = block * kBlock; k < std::min(count, (block + 1) * kBlock); ++k) {
             const Eigen::Vector3f place = Tf * to_eigen(source.positions[k * step]);
@@ -62,7 +68,7 @@ std::vector<Partner> find_partners(const SurfaceSamples& source, const SurfaceSa
             partner.place = place.cast<double>();
             partner.residual = partner.normal.dot((place - q).cast<double>());
             partner.found = true;
-            if (!source.variances.empty() && !target.variances.empty()) {
+            if (variances_known) {
                 partner.weight =
                     1.0 / (static_cast<double>(source.variances[k * step]) +
                            static_cast<double>(target.variances[nearest.index]) + floor);
@@ -77,7 +83,7 @@ std::vector<Partner> find_partners(const SurfaceSamples& source, const SurfaceSa
     }
     for (Partner& p : partners)
         p.weight *= found / sum;
-    return partners;
+    return {std::move(partners), variances_known && sum > 0.0 ? std::sqrt(found / sum) : 0.0};
 }
 
 Sums sum_up(std::span<const Partner> partners, const Eigen::Vector3d& centre, double scale) {
@@ -137,7 +143,7 @@ Fit refine(const SurfaceSamples& source, const SurfaceSamples& target,
         std::max<std::size_t>(1, (source.size() + settings.max_samples - 1) / settings.max_samples);
     double gate = settings.gate;
     for (int iteration = 0; iteration < settings.max_iterations; ++iteration) {
-        const std::vector<Partner> partners =
+        const auto [partners, expected] =
             find_partners(source, target, fit.T_target_source, step, static_cast<float>(gate));
         std::vector<double> distances;
         Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -165,6 +171,7 @@ Fit refine(const SurfaceSamples& source, const SurfaceSamples& target,
             squares += d * d;
         fit.rmse = std::sqrt(squares / static_cast<double>(fit.inliers));
         fit.p95 = quantile(distances, 0.95);
+        fit.expected = expected;
         if (fit.converged) break;  // the last pass only looked
 
         const Vector6d delta = solve(sums, settings.upright);

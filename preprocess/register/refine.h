@@ -25,6 +25,7 @@ struct Fit {
     double rmse = 0;          ///< m, of the inliers' distances to the partner's surface, the surer
                               ///< ones counting more
     double p95 = 0;           ///< m
+    double expected = 0;      ///< m, what the samples' variances make of the rmse; 0: not known
     /// Sum of wᵢJᵢᵀJᵢ over the inliers for a turn (radians) about `centre` and a shift (m), target
     /// frame: the inverse of the covariance, times the variance of a residual.
     Matrix6d information = Matrix6d::Zero();

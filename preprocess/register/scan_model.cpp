@@ -20,6 +20,7 @@ constexpr std::size_t kFewestNeighbours = 6;
 constexpr float kPlaneRadius = 3.0f;  // in spacings
 
 constexpr double kFineSpacing = 0.5;   // in coarse spacings
+constexpr double kWideSpacing = 1.5;   // in coarse spacings
 constexpr double kFinestShare = 1e-5;  // of the largest scan: least voxel size
 constexpr double kPointsPerSample = 2.5;
 constexpr std::size_t kSubset = 100000;  // points that the voxel size is chosen by
@@ -144,6 +145,7 @@ ScanModel model_scan(const Scan& scan, double spacing, bool upright, bool toward
     }
     model.coarse = sample_surface(turned, spacing, viewpoint);
     model.fine = sample_patches(turned, kFineSpacing * spacing, viewpoint);
+    model.wide = sample_surface(turned, kWideSpacing * spacing, viewpoint);
     return model;
 }
 

@@ -44,6 +44,7 @@ struct ScanModel {
     Eigen::Matrix3d R_model_scan = Eigen::Matrix3d::Identity();
     SurfaceSamples coarse;             ///< at the voxel size v
     SurfaceSamples fine;               ///< at v / 2
+    SurfaceSamples wide;               ///< at 3/2 v, to find keypoints on
     Keypoints keypoints;               ///< empty until described
     std::optional<DepthImage> depths;  ///< where the scan has a viewpoint
     Vec3f viewpoint;                   ///< m, the scanner's place

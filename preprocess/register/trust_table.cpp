@@ -3,14 +3,10 @@
 #include <algorithm>
 
 #include "preprocess/register/align.h"
+#include "preprocess/register/scan_name.h"
 
 namespace glowworm {
 namespace {
-
-std::string short_name(const std::string& file) {
-    const std::size_t slash = file.rfind('/');
-    return slash == std::string::npos ? file : file.substr(slash + 1);
-}
 
 std::string describe(const std::vector<WeakAxis>& weak) {
     std::string text;

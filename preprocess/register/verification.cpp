@@ -7,6 +7,7 @@ namespace {
 
 constexpr float kNormalsAgree = 0.5f;  // cosine
 constexpr float kRangeMargin = 0.02f;  // of the range: what a small error in rotation shifts
+constexpr double kAgainst = 8.0;       // how many agreeing samples one contradiction outweighs
 
 void compare(const ScanModel& a, const ScanModel& b, const Eigen::Isometry3d& T_b_a,
              float tolerance, std::size_t max_samples, std::size_t& samples, std::size_t& agree,
@@ -47,6 +48,10 @@ double Agreement::best_overlap() const {
 double Agreement::contradicted() const {
     const std::size_t against = source_contradict + target_contradict;
     return share(against, against + agree());
+}
+
+double Agreement::support() const {
+    return best_overlap() - kAgainst * contradicted();
 }
 
 Agreement verify(const ScanModel& source, const ScanModel& target,

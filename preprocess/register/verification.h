@@ -19,6 +19,9 @@ struct Agreement {
     /// Share of the samples with an opinion that are seen through by the other station, 0..1.
     double contradicted() const;
     std::size_t agree() const { return source_agree + target_agree; }
+    /// What poses are ranked by: the overlap, one sample that is seen through outweighing 8 that
+    /// agree.
+    double support() const;
 };
 
 /// Compares up to `max_samples` coarse samples of each scan with the other. One agrees when the
