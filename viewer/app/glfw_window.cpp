@@ -20,7 +20,12 @@ Input& input_of(GLFWwindow* window) {
 }
 
 void on_key(GLFWwindow* window, int key, int, int action, int modifiers) {
-    if (action == GLFW_PRESS) input_of(window).pressed.push_back({key, modifiers});
+    Input& in = input_of(window);
+    if (action == GLFW_RELEASE) in.held.erase(key);
+    if (action != GLFW_PRESS) return;
+    in.pressed.push_back({key, modifiers});
+    // With Shift or Control the letters are commands, also when that is let go of first.
+    if ((modifiers & (GLFW_MOD_SHIFT | GLFW_MOD_CONTROL)) == 0) in.held.insert(key);
 }
 
 void on_button(GLFWwindow* window, int button, int action, int modifiers) {
@@ -139,13 +144,7 @@ void GlfwWindow::clear_input() {
 }
 
 FlyInput GlfwWindow::held_keys() const {
-    const auto held = [&](int key) { return glfwGetKey(window_, key) == GLFW_PRESS ? 1.0 : 0.0; };
-    // With Shift or Control the letters are commands.
-    if (held(GLFW_KEY_LEFT_SHIFT) + held(GLFW_KEY_RIGHT_SHIFT) + held(GLFW_KEY_LEFT_CONTROL) +
-            held(GLFW_KEY_RIGHT_CONTROL) >
-        0) {
-        return {};
-    }
+    const auto held = [&](int key) { return input_.held.contains(key) ? 1.0 : 0.0; };
     return {.ahead = held(GLFW_KEY_W) - held(GLFW_KEY_S),
             .aside = held(GLFW_KEY_D) - held(GLFW_KEY_A),
             .rise = held(GLFW_KEY_R) - held(GLFW_KEY_F)};

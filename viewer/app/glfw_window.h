@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct Click {
 /// What the user did since the last frame.
 struct Input {
     std::vector<KeyPress> pressed;  ///< in order
+    std::set<int> held;             ///< went down without Shift or Control and are down still
     std::vector<Click> clicks;
     std::vector<std::filesystem::path> dropped;  ///< files on the window
     double wheel = 0.0;                          ///< notches, away from the user positive
