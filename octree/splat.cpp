@@ -231,7 +231,7 @@ PieceMoments Disc::moments_of(const DiscPart& part) const {
     const Vec3d leaf_centre = corner_of(part.leaf) + Vec3d{0.5, 0.5, 0.5};
     const Vec3d centre = centre_ - leaf_centre;
     PieceMoments moments;
-    if (part.pieces == all_of(splat_.pieces)) {
+    if (splat_.rings <= kMaxSmallRings && part.pieces == all_of(splat_.pieces)) {
         // The pattern turns into itself: its mean is the centre, its spread is round.
         Vec3d reach;
         for (const DiscPoint& point : pattern.half) {

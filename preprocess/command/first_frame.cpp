@@ -12,6 +12,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <thread>
 #include <vector>
 
 #include "octree/error.h"
@@ -25,7 +26,8 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kLongestDrawing = std::chrono::minutes(5);
-constexpr int kGlance = 100;  // ms
+constexpr int kGlance = 100;   // ms
+constexpr int kPatience = 50;  // glances, from SIGTERM to SIGKILL
 
 /// A program that runs with its stderr at hand; ended, and waited for, with its scope.
 class Child {
@@ -50,6 +52,11 @@ class Child {
     }
     ~Child() {
         if (process_ > 0) ::kill(process_, SIGTERM);
+        for (int i = 0; i < kPatience && process_ > 0; ++i) {
+            if (::waitpid(process_, nullptr, WNOHANG) != 0) process_ = -1;
+            std::this_thread::sleep_for(std::chrono::milliseconds(kGlance));
+        }
+        if (process_ > 0) ::kill(process_, SIGKILL);  // stuck in its driver
         wait();
         if (said_ >= 0) ::close(said_);
     }

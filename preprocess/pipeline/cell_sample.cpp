@@ -56,10 +56,12 @@ bool CellSample::holds(const Vec3d& position) const {
 
 bool CellSample::is_near(const Vec3d& position, double margin) const {
     if (level_ == 0 || holds(position)) return true;
-    for (int corner = 0; corner < 8; ++corner) {
-        const Vec3d shift{corner & 1 ? margin : -margin, corner & 2 ? margin : -margin,
-                          corner & 4 ? margin : -margin};
-        if (holds(position + shift)) return true;
+    for (const double x : {-margin, 0.0, margin}) {
+        for (const double y : {-margin, 0.0, margin}) {
+            for (const double z : {-margin, 0.0, margin}) {
+                if (holds(position + Vec3d{x, y, z})) return true;
+            }
+        }
     }
     return false;
 }

@@ -3,10 +3,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cstdint>
 #include <iterator>
+#include <mutex>
 
 #include "preprocess/read/append_block.h"
 #include "preprocess/read/kept_blocks.h"
@@ -134,10 +134,14 @@ std::vector<Scan> pick_from_file(const std::filesystem::path& path, const ReadSe
 std::vector<LookedScan> look_at(std::span<const std::filesystem::path> files,
                                 const ReadSettings& settings, const Progress& progress) {
     std::vector<std::vector<LookedScan>> of_files(files.size());
-    std::atomic<std::uint64_t> done = 0;
+    std::mutex mutex;
+    std::uint64_t done = 0;
     tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t i) {
         of_files[i] = look_at_file(files[i], settings);
-        if (progress) progress(++done, 2 * files.size());
+        if (progress) {
+            const std::scoped_lock one_at_a_time(mutex);
+            progress(++done, 2 * files.size());
+        }
     });
     std::vector<LookedScan> all;
     for (std::vector<LookedScan>& scans : of_files)
@@ -155,11 +159,15 @@ std::vector<Scan> pick_points(std::span<const std::filesystem::path> files,
         first[i] = scan;
     }
     std::vector<std::vector<Scan>> of_files(files.size());
-    std::atomic<std::uint64_t> done = files.size();
+    std::mutex mutex;
+    std::uint64_t done = files.size();
     tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t i) {
         const auto own = std::span(looked).subspan(first[i], first[i + 1] - first[i]);
         of_files[i] = pick_from_file(files[i], settings, own, first[i], wanted);
-        if (progress) progress(++done, 2 * files.size());
+        if (progress) {
+            const std::scoped_lock one_at_a_time(mutex);
+            progress(++done, 2 * files.size());
+        }
     });
     std::vector<Scan> all;
     for (std::vector<Scan>& scans : of_files)

@@ -23,7 +23,7 @@ constexpr double kSpacingError = 0.05;            // of the median surfel's radi
 constexpr std::uint32_t kPilotRays = 8;
 
 /// Bounds of all scans, and the spacing that says how deep the octree becomes.
-CloudSummary summary_of(const Box& box, double times_longer, const Vec3d& origin, double radius) {
+CloudSummary summary_of(const PlaceBounds& box, double times_longer, const Vec3d& origin, double radius) {
     const Vec3d middle = (box.low + box.high) * 0.5, half = (box.high - box.low) * 0.5;
     CloudSummary summary;
     summary.bounds_min = vec3_cast<float>(middle - half * times_longer - origin);
@@ -157,7 +157,7 @@ Pilot run_pilot(std::span<const std::filesystem::path> files, const ConvertSetti
         return finish();
     }
     const auto first_half = std::span(places).first((places.size() + 1) / 2);
-    const Box box = box_of(places);
+    const PlaceBounds box = box_of(places);
     const Vec3d origin = poses.origin + (box.low + box.high) * 0.5;
     const double longer =
         grown(box_of(first_half).longest(), box.longest(), places.size(), scans.size()) /

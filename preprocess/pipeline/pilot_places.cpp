@@ -61,8 +61,9 @@ std::vector<std::vector<WeightedPlace>> places_of(std::span<const LookedScan> sc
     for (const LookedScan& scan : scans) {
         const ScanPose* pose = find_pose(poses, scan.sample);
         if (pose == nullptr || pose->status == PoseStatus::kUnregistered) continue;
-        std::vector<WeightedPlace>& own = places.emplace_back();
         const std::vector<Vec3f>& positions = scan.sample.points.positions;
+        if (positions.empty()) continue;  // all points of the scan were one and the same
+        std::vector<WeightedPlace>& own = places.emplace_back();
         const double weight = double(scan.facts.counts.kept) / double(positions.size());
         for (const Vec3f& p : positions) {
             const Vec3d in_frame = scan.sample.offset + vec3_cast<double>(p);
@@ -72,8 +73,8 @@ std::vector<std::vector<WeightedPlace>> places_of(std::span<const LookedScan> sc
     return places;
 }
 
-Box box_of(std::span<const std::vector<WeightedPlace>> places) {
-    Box box{places.front().front().position, places.front().front().position};
+PlaceBounds box_of(std::span<const std::vector<WeightedPlace>> places) {
+    PlaceBounds box{places.front().front().position, places.front().front().position};
     for (const std::vector<WeightedPlace>& of_scan : places) {
         for (const WeightedPlace& place : of_scan) {
             box.low = component_min(box.low, place.position);

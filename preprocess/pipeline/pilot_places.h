@@ -26,13 +26,13 @@ Poses find_poses(std::span<const LookedScan> scans, const RegistrationSettings& 
 std::vector<std::vector<WeightedPlace>> places_of(std::span<const LookedScan> scans,
                                                   const Poses& poses);
 
-struct Box {
+struct PlaceBounds {
     Vec3d low, high;  ///< m
     double longest() const { return std::max({high.x - low.x, high.y - low.y, high.z - low.z}); }
 };
 
 /// Round all places; there is at least one.
-Box box_of(std::span<const std::vector<WeightedPlace>> places);
+PlaceBounds box_of(std::span<const std::vector<WeightedPlace>> places);
 
 /// What something grows to with all scans, having grown from `half` to `now` with the last half of
 /// those placed.

@@ -36,7 +36,7 @@ View from_outside() {
 TEST(ClipBox, DrawsWhatLiesInItAndNothingElse) {
     Room room;
     View view = from_outside();
-    view.clip = Box{{-1.0, -0.8, 0.5}, {1.0, 0.8, 3.0}};
+    view.clip = WorldBox{{-1.0, -0.8, 0.5}, {1.0, 0.8, 3.0}};
     const FrameLayers layers = room.frame.render(view, room.light);
     int inside = 0, lit = 0, outside = 0;
     for (int y = 0; y < kHeight; ++y) {

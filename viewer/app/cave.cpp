@@ -35,7 +35,7 @@ void fit_memory(Cave& cave, const std::filesystem::path& path, const LightLevel&
     const std::uint32_t wanted_depth = depth;
     while (bytes_of(cave.light(), level.light) > level.memory) {
         do {
-            if (depth == 1) {
+            if (depth <= 1) {
                 throw Error(ExitCode::kBudget,
                             fmt::format("the light of '{}' does not fit into {:.1f} MiB at any "
                                         "level: give --light-memory more",
@@ -57,7 +57,7 @@ void fit_memory(Cave& cave, const std::filesystem::path& path, const LightLevel&
 }  // namespace
 
 Cave open_cave(const std::filesystem::path& path, const LightLevel& level) {
-    Cave cave{OctreeFile::open(path), {}};
+    Cave cave{OctreeFile::open(path), {}, {}};
     const auto failures = check_structure(cave.points());
     cave.file.require_intact();
     if (!failures.empty()) {
@@ -68,9 +68,10 @@ Cave open_cave(const std::filesystem::path& path, const LightLevel& level) {
     }
     // All of it is about to be read for the GPU: comparing checksums costs some GB a second more.
     // What was changed but stays inside can be looked at.
-    for (const std::string& damage : check_checksums(cave.file)) {
+    cave.damage = check_checksums(cave.file);
+    for (const std::string& sentence : cave.damage) {
         spdlog::warn("'{}' is damaged: {}; what is shown of it may be wrong", path.string(),
-                     damage);
+                     sentence);
     }
     cave.file.require_intact();
     const std::uint32_t depth = cave.points().grid.depth;

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "octree/octree.h"
 #include "octree/octree_file.h"
@@ -15,6 +17,7 @@ namespace glowworm {
 struct Cave {
     OctreeFile file;
     std::optional<Octree> coarse;  ///< of the file, where light is simulated at less than its depth
+    std::vector<std::string> damage;  ///< sections whose checksums do not fit, a sentence each
 
     const OctreeView& points() const { return file.view(); }
     OctreeView light() const { return coarse ? coarse->view() : file.view(); }

@@ -2,15 +2,13 @@
 
 #include <fmt/format.h>
 
-#include "octree/checksums.h"
-
 namespace glowworm {
 
 std::string file_facts(const std::filesystem::path& path, const Cave& cave) {
     const OctreeView& octree = cave.points();
     const Vec3f size = octree.bounds_max - octree.bounds_min;
     std::string damage;
-    for (const std::string& sentence : check_checksums(cave.file))
+    for (const std::string& sentence : cave.damage)
         damage += "\nDAMAGED: " + sentence;
     return fmt::format(
                "{}, {:.1f} MB\n{} points of {} stations\n{:.1f} x {:.1f} x {:.1f} m\n"

@@ -13,7 +13,7 @@ constexpr double kZoomPerPixel = 1.005, kZoomPerNotch = 1.2;
 constexpr double kDegreesPerSecond = 30.0;  // of a survey that rotates
 constexpr double kAssumedDistance = 3.0;    // m, where nothing is under the cursor
 
-Box bounds_of(const OctreeView& octree) {
+WorldBox bounds_of(const OctreeView& octree) {
     return {octree.grid.origin + vec3_cast<double>(octree.bounds_min),
             octree.grid.origin + vec3_cast<double>(octree.bounds_max)};
 }
@@ -29,7 +29,7 @@ Navigator::Navigator(const OctreeView& octree, const Camera& start, ControlSchem
       survey_(fitted_survey(bounds_of(octree), 0.0, -90.0, start.width, start.height)),
       screen_height_(start.height) {}
 
-Box Navigator::bounds() const {
+WorldBox Navigator::bounds() const {
     return bounds_of(octree_);
 }
 

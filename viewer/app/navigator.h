@@ -22,7 +22,7 @@ class Navigator {
     const FlyCamera& camera() const { return camera_; }
     SurveyView& survey() { return survey_; }
     /// The whole cave, m, world.
-    Box bounds() const;
+    WorldBox bounds() const;
     /// What is drawn into a picture of that size: the same, more or less finely.
     View view(int width, int height) const;
     /// The window's height in screen units, in which the mouse moves: the pixels of a survey.

@@ -41,7 +41,7 @@ class Session {
     struct Surfaces {
         float pixels_between_points = 0.0f, wetness = 0.0f;
         bool clip = false;
-        Box clip_box;
+        WorldBox clip_box;
         bool operator==(const Surfaces&) const = default;
     };
     /// What a picture looks like, beside what is in it.

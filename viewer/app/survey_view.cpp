@@ -27,7 +27,7 @@ Vec3d down_of(const SurveyView& survey) {
 
 }  // namespace
 
-SurveyView fitted_survey(const Box& box, double bearing_deg, double tilt_deg, int width,
+SurveyView fitted_survey(const WorldBox& box, double bearing_deg, double tilt_deg, int width,
                          int height) {
     const auto& [low, high] = box;
     SurveyView survey;

@@ -15,7 +15,7 @@ struct SurveyView {
 };
 
 /// The whole of a box in a picture of that size, from the given side.
-SurveyView fitted_survey(const Box& box, double bearing_deg, double tilt_deg, int width,
+SurveyView fitted_survey(const WorldBox& box, double bearing_deg, double tilt_deg, int width,
                          int height);
 
 /// What is drawn. Depth counts from the section, at most `extent` m before the centre.

@@ -49,7 +49,7 @@ struct WindowState {
     float wetness = 0.0f;
     float pixels_between_points = 0.7f;
     bool clip = false;  ///< only what lies in the box is drawn
-    Box clip_box;
+    WorldBox clip_box;
     bool show_stations = false, show_lamps = true, show_path = true;
 
     // moving

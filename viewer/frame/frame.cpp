@@ -87,7 +87,8 @@ void Frame::draw(const View& view, const LightField& light, Missing missing, Pas
 }
 
 /// The chunks that the last frame saw first; then those of the others that their surfaces do not
-/// hide. It is the same frame as with all of them: what is hidden would change no pixel.
+/// hide: what is hidden would change no pixel, but where a rim opens farther than a tile of the
+/// pyramid.
 void Frame::splat(const View& view, Missing missing, PassTimer* timer) {
     const bool wait = missing == Missing::kWaitFor;
     std::vector<ChunkSelection> wanted;

@@ -43,7 +43,7 @@ bool may_be_seen(const std::array<Plane, 5>& frustum, const Vec3d& centre, const
     return true;
 }
 
-bool overlaps(const Box& box, const Vec3d& centre, const Vec3d& half) {
+bool overlaps(const WorldBox& box, const Vec3d& centre, const Vec3d& half) {
     for (int axis = 0; axis < 3; ++axis) {
         if (centre[axis] + half[axis] < box.low[axis] || centre[axis] - half[axis] > box.high[axis])
             return false;

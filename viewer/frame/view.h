@@ -8,9 +8,9 @@
 namespace glowworm {
 
 /// An axis-aligned box, m, world.
-struct Box {
+struct WorldBox {
     Vec3d low, high;
-    bool operator==(const Box&) const = default;
+    bool operator==(const WorldBox&) const = default;
 };
 
 /// What a picture is taken through: a pinhole or an orthographic camera over a rectangle of pixels.
@@ -26,7 +26,7 @@ struct View {
     double centre_x = 0.0;  ///< pixels: where the view axis meets the picture
     double centre_y = 0.0;
     int width = 0, height = 0;  ///< pixels
-    std::optional<Box> clip;    ///< only what lies within is drawn; light comes from all the cave
+    std::optional<WorldBox> clip;    ///< only what lies within is drawn; light comes from all the cave
 };
 
 struct PixelPoint {
