@@ -220,7 +220,11 @@ Octree build_octree(SurfelCloud cloud, const BuildSettings& settings, const Prog
         throw Error(ExitCode::kDegenerate, "the tile has no points and no surface");
     }
     report(3);
-    NodeTree tree = build_nodes(octree.grid, leaves.codes, leaves.lobe_counts, leaves.lobes);
+    const Progress filtering = [&](std::uint64_t levels, std::uint64_t all) {
+        if (progress) progress((total * 3 * all + total * levels) / (5 * all), total);
+    };
+    NodeTree tree =
+        build_nodes(octree.grid, leaves.codes, leaves.lobe_counts, leaves.lobes, filtering);
     octree.levels = std::move(tree.levels);
     octree.nodes = std::move(tree.nodes);
     octree.attributes = std::move(tree.attributes);

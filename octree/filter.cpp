@@ -14,6 +14,8 @@
 namespace glowworm {
 namespace {
 
+constexpr std::size_t kCodesBetweenWords = 1 << 22;  // of progress
+
 struct Totals {
     double area = 0.0;
     Vec3d ndf, albedo;
@@ -81,10 +83,14 @@ NodeAttributes filter_node(const std::array<const NodeAttributes*, 8>& children)
 }
 
 NodeTree build_nodes(const Grid& grid, std::span<const std::uint64_t> leaf_codes,
-                     std::span<const std::uint8_t> lobe_counts, std::span<const Lobe> lobes) {
+                     std::span<const std::uint8_t> lobe_counts, std::span<const Lobe> lobes,
+                     const Progress& progress) {
     NodeTree tree;
     if (leaf_codes.empty()) return tree;
     const std::uint32_t depth = grid.depth;
+    const auto say_done = [&](std::uint32_t levels) {
+        if (progress) progress(levels, 2 * (std::uint64_t{depth} + 1));
+    };
 
     // Codes of every level, from the leaves up; a level's masks collect while its codes do.
     std::vector<std::vector<std::uint64_t>> codes(depth + 1);
@@ -92,7 +98,9 @@ NodeTree build_nodes(const Grid& grid, std::span<const std::uint64_t> leaf_codes
     codes[depth].assign(leaf_codes.begin(), leaf_codes.end());
     for (std::uint32_t level = depth; level-- > 0;) {
         codes[level].reserve(codes[level + 1].size() / 3 + 1);
+        std::size_t seen = 0;
         for (const std::uint64_t code : codes[level + 1]) {
+            if (seen++ % kCodesBetweenWords == 0) say_done(depth - level - 1);
             if (codes[level].empty() || codes[level].back() != code >> 3) {
                 codes[level].push_back(code >> 3);
                 masks[level].push_back(0);
@@ -112,12 +120,21 @@ NodeTree build_nodes(const Grid& grid, std::span<const std::uint64_t> leaf_codes
         throw Error(ExitCode::kBudget,
                     "an octree of more than 4294967295 nodes or lobes; build it less deep");
     }
-    tree.nodes.resize(total);
-    tree.attributes.resize(total);
+    // In steps, as the system clears new memory slowly.
+    const auto grow = [&](auto& values) {
+        values.reserve(total);
+        while (values.size() < total) {
+            say_done(depth);
+            values.resize(std::min<std::size_t>(values.size() + kCodesBetweenWords, total));
+        }
+    };
+    grow(tree.nodes);
+    grow(tree.attributes);
 
     std::uint32_t next_lobe = 0;
     const std::uint32_t first_leaf = tree.levels[depth].first_node;
     for (std::size_t i = 0; i < leaf_codes.size(); ++i) {
+        if (i % kCodesBetweenWords == 0) say_done(depth);
         tree.nodes[first_leaf + i] = {std::uint32_t{lobe_counts[i]} << 8, next_lobe};
         next_lobe += lobe_counts[i];
     }
@@ -129,6 +146,7 @@ NodeTree build_nodes(const Grid& grid, std::span<const std::uint64_t> leaf_codes
         }
     }
 
+    say_done(depth + 1);
     const float voxel = grid.voxel_size();
     for_each_index(leaf_codes.size(), [&](std::size_t i) {
         const Node leaf = tree.nodes[first_leaf + i];
@@ -136,6 +154,7 @@ NodeTree build_nodes(const Grid& grid, std::span<const std::uint64_t> leaf_codes
             leaf_attributes(lobes.subspan(leaf.first, leaf.mask >> 8), voxel);
     });
     for (std::uint32_t level = depth; level-- > 0;) {
+        say_done(2 * depth - level);
         const std::uint32_t first = tree.levels[level].first_node;
         for_each_index(tree.levels[level].node_count, [&](std::size_t i) {
             const Node node = tree.nodes[first + i];

@@ -7,6 +7,7 @@
 
 #include "octree/grid.h"
 #include "octree/node_layout.h"
+#include "octree/progress.h"
 
 namespace glowworm {
 
@@ -29,8 +30,10 @@ struct NodeTree {
 
 /// All levels over the leaves. `leaf_codes`: [leaves] Morton codes at the grid's depth, ascending;
 /// `lobe_counts`: [leaves] 1..3; `lobes`: in the leaves' order. No leaves: no tree.
+/// `progress` counts levels, each found once and filtered once.
 /// Throws Error (kBudget) for more nodes or lobes than 32 bits count.
 NodeTree build_nodes(const Grid& grid, std::span<const std::uint64_t> leaf_codes,
-                     std::span<const std::uint8_t> lobe_counts, std::span<const Lobe> lobes);
+                     std::span<const std::uint8_t> lobe_counts, std::span<const Lobe> lobes,
+                     const Progress& progress = {});
 
 }  // namespace glowworm

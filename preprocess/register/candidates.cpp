@@ -13,9 +13,9 @@ namespace {
 
 using ScanPair = std::pair<std::size_t, std::size_t>;
 
-constexpr std::size_t kFewPairs = 80;      // up to here all are tried
-constexpr std::size_t kDistinctive = 400;  // keypoints per scan that are compared first
-constexpr std::size_t kLooked = 12;        // guesses of each kind that are looked at
+constexpr std::size_t kFewPairs = 80;         // up to here all are tried
+constexpr std::size_t kDistinctive = 100000;  // keypoints per scan that are compared first
+constexpr std::size_t kLooked = 40;           // guesses of each kind that are looked at
 constexpr double kHopeless = -1e9;
 
 /// Some of a scan's keypoints, and which they are.
@@ -55,7 +55,8 @@ std::vector<ScanPair> promising(std::span<const ScanModel> models, std::span<con
     std::vector<double> score(open.size(), kHopeless);
     tbb::parallel_for(std::size_t{0}, open.size(), [&](std::size_t i) {
         const auto [target, source] = open[i];
-        std::vector<Correspondence> matches = match(few[source].keypoints, few[target].keypoints);
+        std::vector<Correspondence> matches =
+            match(few[source].keypoints, few[target].keypoints, 3);
         for (Correspondence& match : matches) {
             match.source = few[source].indices[match.source];
             match.target = few[target].indices[match.target];
