@@ -13,9 +13,9 @@ namespace {
 
 using ScanPair = std::pair<std::size_t, std::size_t>;
 
-constexpr std::size_t kFewPairs = 80;         // up to here all are tried
-constexpr std::size_t kDistinctive = 100000;  // keypoints per scan that are compared first
-constexpr std::size_t kLooked = 40;           // guesses of each kind that are looked at
+constexpr std::size_t kFewPairs = 80;       // up to here all are tried
+constexpr std::size_t kDistinctive = 3000;  // keypoints per scan that are compared
+constexpr std::size_t kLooked = 40;         // guesses of each kind that are looked at
 constexpr double kHopeless = -1e9;
 
 /// Some of a scan's keypoints, and which they are.
