@@ -1,13 +1,9 @@
 #include "preprocess/pipeline/ingest.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
-#include <atomic>
-#include <exception>
-#include <mutex>
 
 #include "preprocess/pipeline/checkpoint.h"
+#include "preprocess/pipeline/for_all_files.h"
 #include "preprocess/station.h"
 
 namespace glowworm {
@@ -33,32 +29,6 @@ Ingested ingest(const std::filesystem::path& file, const IngestSettings& setting
 
 namespace {
 
-/// All files, several at a time; `of_file(i)` is what comes of number i.
-template <typename OfFile>
-std::vector<Ingested> for_all(std::size_t files, const Progress& progress, const OfFile& of_file) {
-    std::vector<Ingested> all(files);
-    std::vector<std::exception_ptr> failures(files);
-    std::atomic<bool> failed = false;
-    std::mutex mutex;
-    std::uint64_t done = 0;
-    tbb::parallel_for(std::size_t{0}, files, [&](std::size_t i) {
-        if (failed) return;
-        try {
-            all[i] = of_file(i);
-            const std::lock_guard lock(mutex);
-            ++done;
-            if (progress) progress(done, files);
-        } catch (...) {
-            failures[i] = std::current_exception();
-            failed = true;
-        }
-    });
-    for (const std::exception_ptr& failure : failures) {
-        if (failure) std::rethrow_exception(failure);
-    }
-    return all;
-}
-
 Ingested kept_or_made(const WorkFolder* work, const std::filesystem::path& file,
                       const std::string& key, const IngestSettings& settings) {
     Ingested result;
@@ -73,7 +43,7 @@ Ingested kept_or_made(const WorkFolder* work, const std::filesystem::path& file,
 std::vector<Ingested> ingest_all(std::span<const std::filesystem::path> files,
                                  const IngestSettings& settings, const Progress& progress,
                                  const WorkFolder* work, std::span<const std::string> keys) {
-    return for_all(files.size(), progress, [&](std::size_t i) {
+    return for_all_files(files.size(), progress, [&](std::size_t i) {
         return kept_or_made(work, files[i], keys.empty() ? std::string() : keys[i], settings);
     });
 }
@@ -82,7 +52,7 @@ std::vector<Ingested> ingest_into(const WorkFolder& work,
                                   std::span<const std::filesystem::path> files,
                                   const IngestSettings& settings, const Progress& progress,
                                   std::span<const std::string> keys) {
-    return for_all(files.size(), progress, [&](std::size_t i) {
+    return for_all_files(files.size(), progress, [&](std::size_t i) {
         Ingested result = kept_or_made(&work, files[i], keys[i], settings);
         for (Scan& scan : result.scans)
             scan.points = {};

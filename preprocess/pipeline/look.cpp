@@ -1,13 +1,11 @@
 #include "preprocess/pipeline/look.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <iterator>
-#include <mutex>
 
+#include "preprocess/pipeline/for_all_files.h"
 #include "preprocess/read/append_block.h"
 #include "preprocess/read/kept_blocks.h"
 #include "preprocess/station.h"
@@ -129,24 +127,28 @@ std::vector<Scan> pick_from_file(const std::filesystem::path& path, const ReadSe
     return picked;
 }
 
+/// Of two passes over the files, the first (0) or the second (1).
+Progress half(const Progress& progress, std::uint64_t which) {
+    if (!progress) return {};
+    return [&progress, which](std::uint64_t done, std::uint64_t files) {
+        progress(which * files + done, 2 * files);
+    };
+}
+
+template <typename T>
+std::vector<T> joined(std::vector<std::vector<T>> of_files) {
+    std::vector<T> all;
+    for (std::vector<T>& scans : of_files)
+        std::ranges::move(scans, std::back_inserter(all));
+    return all;
+}
+
 }  // namespace
 
 std::vector<LookedScan> look_at(std::span<const std::filesystem::path> files,
                                 const ReadSettings& settings, const Progress& progress) {
-    std::vector<std::vector<LookedScan>> of_files(files.size());
-    std::mutex mutex;
-    std::uint64_t done = 0;
-    tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t i) {
-        of_files[i] = look_at_file(files[i], settings);
-        if (progress) {
-            const std::scoped_lock one_at_a_time(mutex);
-            progress(++done, 2 * files.size());
-        }
-    });
-    std::vector<LookedScan> all;
-    for (std::vector<LookedScan>& scans : of_files)
-        std::ranges::move(scans, std::back_inserter(all));
-    return all;
+    return joined(for_all_files(files.size(), half(progress, 0),
+                                [&](std::size_t i) { return look_at_file(files[i], settings); }));
 }
 
 std::vector<Scan> pick_points(std::span<const std::filesystem::path> files,
@@ -158,21 +160,10 @@ std::vector<Scan> pick_points(std::span<const std::filesystem::path> files,
             --scan;
         first[i] = scan;
     }
-    std::vector<std::vector<Scan>> of_files(files.size());
-    std::mutex mutex;
-    std::uint64_t done = files.size();
-    tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t i) {
+    return joined(for_all_files(files.size(), half(progress, 1), [&](std::size_t i) {
         const auto own = std::span(looked).subspan(first[i], first[i + 1] - first[i]);
-        of_files[i] = pick_from_file(files[i], settings, own, first[i], wanted);
-        if (progress) {
-            const std::scoped_lock one_at_a_time(mutex);
-            progress(++done, 2 * files.size());
-        }
-    });
-    std::vector<Scan> all;
-    for (std::vector<Scan>& scans : of_files)
-        std::ranges::move(scans, std::back_inserter(all));
-    return all;
+        return pick_from_file(files[i], settings, own, first[i], wanted);
+    }));
 }
 
 }  // namespace glowworm

@@ -4,8 +4,8 @@
 
 #include "octree/build.h"
 #include "octree/error.h"
-#include "octree/size_estimate.h"
 #include "octree/octree.h"
+#include "octree/size_estimate.h"
 
 namespace glowworm {
 namespace {
@@ -31,7 +31,8 @@ OctreeSize size_by_places(const SurfelCloud& part, const CellSample& cells,
 }  // namespace
 
 double OctreeSize::bytes(std::uint32_t links) const {
-    return 20.0 * surfels + 40.0 * nodes + (64.0 + 4.0 * links) * lobes;
+    return sizeof(PackedSurfel) * surfels + (sizeof(Node) + sizeof(NodeAttributes)) * nodes +
+           static_cast<double>(sizeof(Lobe) + sizeof(std::uint32_t) * links) * lobes;
 }
 
 OctreeSize size_by_cells(const SurfelCloud& part, const CellSample& cells,

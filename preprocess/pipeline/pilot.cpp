@@ -23,7 +23,8 @@ constexpr double kSpacingError = 0.05;            // of the median surfel's radi
 constexpr std::uint32_t kPilotRays = 8;
 
 /// Bounds of all scans, and the spacing that says how deep the octree becomes.
-CloudSummary summary_of(const PlaceBounds& box, double times_longer, const Vec3d& origin, double radius) {
+CloudSummary summary_of(const PlaceBounds& box, double times_longer, const Vec3d& origin,
+                        double radius) {
     const Vec3d middle = (box.low + box.high) * 0.5, half = (box.high - box.low) * 0.5;
     CloudSummary summary;
     summary.bounds_min = vec3_cast<float>(middle - half * times_longer - origin);
@@ -223,6 +224,11 @@ Pilot run_pilot(std::span<const std::filesystem::path> files, const ConvertSetti
     pilot.octree.surfels = surfels_placed * static_cast<double>(pilot.points) / points_placed;
     if (settings.links > 0) pilot.link_time = time_links(scans, poses, settings);
     return finish();
+}
+
+std::size_t expected_pairs(std::size_t scans) {
+    constexpr std::size_t kPairsPerScan = 8;
+    return scans * std::min(scans - 1, kPairsPerScan) / 2;
 }
 
 }  // namespace glowworm

@@ -37,4 +37,7 @@ Pilot run_pilot(std::span<const std::filesystem::path> files, const ConvertSetti
 Pilot look_only(std::span<const std::filesystem::path> files, const ReadSettings& settings,
                 const Progress& progress);
 
+/// The pairs that are expected to be tried among so many scans, one at least.
+std::size_t expected_pairs(std::size_t scans);
+
 }  // namespace glowworm

@@ -8,8 +8,6 @@
 namespace glowworm {
 namespace {
 
-constexpr std::size_t kPairsPerScan = 8;
-
 /// Poses that are given for all scans; nothing where one has none, or none is to be used.
 std::optional<Poses> given_poses(std::span<const LookedScan> scans,
                                  const RegistrationSettings& settings) {
@@ -42,7 +40,7 @@ Vec3d transformed(const Eigen::Isometry3d& T, const Vec3d& p) {
 Poses find_poses(std::span<const LookedScan> scans, const RegistrationSettings& settings,
                  Pilot& pilot) {
     const std::size_t all = scans.size();
-    pilot.pairs = all * std::min(all - 1, kPairsPerScan) / 2;
+    pilot.pairs = expected_pairs(all);
     if (const std::optional<Poses> given = given_poses(scans, settings)) return *given;
     std::vector<Scan> samples;
     for (const LookedScan& scan : scans.first(std::min(all, kMostPiloted)))

@@ -33,7 +33,6 @@ constexpr double kKeptPower = -0.08;
 constexpr double kLeafPower = -0.4;  // leaves per surfel of n scans
 constexpr double kNodesPerLeaf = 1.35;
 constexpr double kLobesPerLeaf = 1.2;
-constexpr std::size_t kPairsPerScan = 8;
 constexpr double kGuessError = 0.5;
 
 /// How many points the headers of a file announce; where they announce none, what its size holds.
@@ -107,7 +106,7 @@ Workload announced_work(std::span<const std::filesystem::path> files,
     }
     work.scans = std::max<std::size_t>(work.scans, 1);
     const auto scans = static_cast<double>(work.scans);
-    work.pairs = work.scans * std::min(work.scans - 1, kPairsPerScan) / 2;
+    work.pairs = expected_pairs(work.scans);
     const double surfels =
         static_cast<double>(work.points) * kKeptShare * std::pow(scans, kKeptPower);
     const double leaves = surfels * std::pow(scans, kLeafPower);
