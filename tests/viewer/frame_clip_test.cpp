@@ -3,24 +3,16 @@
 
 #include <cmath>
 
-#include "analytic_cave.h"
-#include "octree/build.h"
+#include "lit_room.h"
 #include "viewer/frame/frame.h"
 #include "viewer/frame/inspector.h"
 
 namespace glowworm {
 namespace {
 
-constexpr Vec3f kLow{-2.0f, -1.5f, 0.0f}, kHigh{2.0f, 1.5f, 2.4f};
-constexpr int kWidth = 96, kHeight = 72;
+using testing::LitRoom;
 
-struct Room {
-    Context context = Context::headless();
-    Octree octree = build_octree(testing::closed_room(kLow, kHigh, 0.04f), {.depth = 5});
-    Scene scene{{{"lamp", {0.5, 0.3, 1.4}, {3, 3, 3}}}, {}, {}, {}};
-    LightField light{context, octree.view(), scene};
-    Frame frame{context, octree.view(), {.selection = {}, .samples = 1}};
-};
+constexpr int kWidth = 96, kHeight = 72;
 
 /// From outside through the +x wall into the room.
 View from_outside() {
@@ -34,7 +26,7 @@ View from_outside() {
 }
 
 TEST(ClipBox, DrawsWhatLiesInItAndNothingElse) {
-    Room room;
+    LitRoom room;
     View view = from_outside();
     view.clip = WorldBox{{-1.0, -0.8, 0.5}, {1.0, 0.8, 3.0}};
     const FrameLayers layers = room.frame.render(view, room.light);
@@ -68,7 +60,7 @@ TEST(ClipBox, DrawsWhatLiesInItAndNothingElse) {
 }
 
 TEST(Inspector, ShowsTheCellsOfALevelAndWhatTheyRadiate) {
-    Room room;
+    LitRoom room;
     Camera camera;
     camera.position = {-1.0, 0.0, 1.2};
     camera.look_at = {2.0, 0.0, 1.2};

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <iostream>
+#include <random>
 
-#include "analytic_cave.h"
-#include "octree/build.h"
+#include "lit_room.h"
 #include "viewer/frame/display.h"
 #include "viewer/frame/exr.h"
 #include "viewer/frame/frame.h"
@@ -15,8 +15,7 @@ namespace glowworm {
 namespace {
 
 using ::testing::IsEmpty;
-
-constexpr Vec3f kLow{-2.0f, -1.5f, 0.0f}, kHigh{2.0f, 1.5f, 2.4f};
+using testing::LitRoom;
 
 Camera camera_at(const Vec3d& position, const Vec3d& look_at, int width, int height) {
     Camera camera;
@@ -28,16 +27,53 @@ Camera camera_at(const Vec3d& position, const Vec3d& look_at, int width, int hei
     return camera;
 }
 
-struct Room {
-    Context context = Context::headless();
-    Octree octree = build_octree(testing::closed_room(kLow, kHigh, 0.04f), {.depth = 5});
-    Scene scene{{{"lamp", {0.5, 0.3, 1.4}, {3, 3, 3}}}, {}, {}, {}};
-    LightField light{context, octree.view(), scene};
-    Frame frame{context, octree.view(), {.selection = {}, .samples = 1}};
-};
+/// Depth along the view axis at which a ray from inside leaves the room.
+double room_depth(const ViewRay& ray) {
+    double nearest = 1e30;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double wall =
+            ray.direction[axis] > 0 ? testing::kRoomHigh[axis] : testing::kRoomLow[axis];
+        const double t = (wall - ray.origin[axis]) / ray.direction[axis];
+        if (t > 0) nearest = std::min(nearest, t);
+    }
+    return nearest;
+}
+
+TEST(Frame, LeavesNoHoleInAClosedRoomSeenFromTwentyPlaces) {
+    LitRoom room;
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> x(-1.8, 1.8), y(-1.3, 1.3), z(0.2, 2.2), any(-1, 1);
+    std::size_t holes = 0, pixels = 0;
+    double worst = 0, sum = 0;
+    for (int i = 0; i < 20; ++i) {
+        const Vec3d eye{x(random), y(random), z(random)};
+        const Vec3d ahead = normalized(Vec3d{any(random), any(random), any(random)});
+        const View view = view_of(camera_at(eye, eye + ahead, 96, 72));
+        const FrameLayers layers = room.frame.render(view, room.light);
+        for (int py = 0; py < 72; ++py) {
+            for (int px = 0; px < 96; ++px) {
+                const float depth = layers.depth[static_cast<std::size_t>(py * 96 + px)];
+                ++pixels;
+                if (depth <= 0) {
+                    ++holes;
+                    continue;
+                }
+                const double truth = room_depth(ray_through(view, px + 0.5, py + 0.5));
+                worst = std::max(worst, std::abs(depth - truth));
+                sum += std::abs(depth - truth);
+            }
+        }
+    }
+    std::cout << holes << " holes in " << pixels << " pixels; depth error mean "
+              << 1e3 * sum / double(pixels) << " mm, worst " << 1e3 * worst << " mm\n";
+    EXPECT_EQ(holes, 0u);
+    EXPECT_LT(sum / double(pixels), 0.001) << "m";
+    EXPECT_LT(worst, 0.08) << "m: two spacings, in the corners";
+    EXPECT_THAT(room.context.errors(), IsEmpty());
+}
 
 TEST(Frame, LeavesNoHoleInAVeryWideView) {
-    Room room;
+    LitRoom room;
     Camera camera = camera_at({-1.7, 0.2, 1.1}, {2.0, 0.0, 1.0}, 96, 72);
     camera.vfov_deg = 165.0;
     const FrameLayers layers = room.frame.render(view_of(camera), room.light);
@@ -46,7 +82,7 @@ TEST(Frame, LeavesNoHoleInAVeryWideView) {
 }
 
 TEST(Frame, ShadesALambertianWallByTheFormula) {
-    Room room;
+    LitRoom room;
     // Straight at the floor, where nothing is in the lamp's way.
     const View view = view_of(camera_at({0, 0, 2.0}, {0, 0.001, 0}, 64, 48));
     const FrameLayers layers = room.frame.render(view, room.light);
@@ -94,7 +130,7 @@ TEST(Frame, IsBlackRoundABendUntilLightIsReflected) {
 }
 
 TEST(Frame, GivesTheSameBytesTwice) {
-    Room room;
+    LitRoom room;
     const View view = view_of(camera_at({1, -1, 1}, {-1, 1, 0.8}, 80, 60));
     const std::string once = encode_exr(room.frame.render(view, room.light), view);
     EXPECT_EQ(once, encode_exr(room.frame.render(view, room.light), view));
@@ -104,7 +140,7 @@ TEST(Frame, GivesTheSameBytesTwice) {
 }
 
 TEST(Frame, ShowsAnAreaLightAsTheRectangleItIs) {
-    Room room;
+    LitRoom room;
     // On the wall at y = 1.5, facing the room, 0.6 m wide and 0.4 m high.
     const AreaLight panel{
         "panel",
@@ -125,7 +161,7 @@ TEST(Frame, ShowsAnAreaLightAsTheRectangleItIs) {
 }
 
 TEST(Frame, LeavesNoHoleWhereMemoryHoldsATenthOfTheCloud) {
-    Room room;
+    LitRoom room;
     const std::size_t tenth = room.octree.view().surfels.size_bytes() / 10;
     Frame coarse(room.context, room.octree.view(),
                  {.selection = {}, .point_memory = tenth, .samples = 1});
@@ -144,7 +180,7 @@ TEST(Frame, LeavesNoHoleWhereMemoryHoldsATenthOfTheCloud) {
 }
 
 TEST(Frame, AveragesSubPixelsAtSilhouettes) {
-    Room room;
+    LitRoom room;
     Frame smooth(room.context, room.octree.view(), {.selection = {}, .samples = 3});
     const View view = view_of(camera_at({0, -1, 1.2}, {0.4, 1, 1.0}, 48, 36));
     const FrameLayers fine = smooth.render(view, room.light);

@@ -1,4 +1,5 @@
 #include "viewer/frame/frame.h"
+#include "viewer/gpu/vec4.h"
 
 #include <algorithm>
 
@@ -31,24 +32,20 @@ std::size_t put_seen_first(std::vector<ChunkSelection>& selection, const std::ve
     return static_cast<std::size_t>(rest - selection.begin());
 }
 
-Vec3f rgb(const gpu::vec4& v) {
-    return {v.x, v.y, v.z};
-}
-
 /// The pixels of a tile as the GPU left it, read back once.
 struct Pixels {
     int width;  ///< sub-pixels
     std::vector<gpu::vec4> surfaces, albedos, direct, indirect, specular, emission;
 
     void add(std::size_t sub_pixel, PixelSums& sums) const {
-        sums.direct += rgb(direct[sub_pixel]);
-        sums.indirect += rgb(indirect[sub_pixel]);
-        sums.specular += rgb(specular[sub_pixel]);
-        sums.emission += rgb(emission[sub_pixel]);
+        sums.direct += to_vec3(direct[sub_pixel]);
+        sums.indirect += to_vec3(indirect[sub_pixel]);
+        sums.specular += to_vec3(specular[sub_pixel]);
+        sums.emission += to_vec3(emission[sub_pixel]);
         if (surfaces[sub_pixel].w <= 0.0f) return;
-        sums.normal += rgb(surfaces[sub_pixel]);
+        sums.normal += to_vec3(surfaces[sub_pixel]);
         sums.depth += surfaces[sub_pixel].w;
-        sums.albedo += rgb(albedos[sub_pixel]);
+        sums.albedo += to_vec3(albedos[sub_pixel]);
         sums.ndf_length += albedos[sub_pixel].w;
         sums.hits += 1.0f;
     }

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "octree/links.h"
+#include "viewer/gpu/vec4.h"
 
 namespace glowworm {
 
@@ -29,10 +30,6 @@ void for_each_lobe(std::size_t lobes, const Visit& visit) {
 float open_rays(std::span<const std::uint32_t> row) {
     const auto buried = std::ranges::count(row, kBuried);
     return static_cast<float>(std::max<std::ptrdiff_t>(std::ssize(row) - buried, 1));
-}
-
-Vec3f to_vec3(const gpu::vec4& v) {
-    return {v.x, v.y, v.z};
 }
 
 }  // namespace

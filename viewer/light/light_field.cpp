@@ -1,4 +1,5 @@
 #include "viewer/light/light_field.h"
+#include "viewer/gpu/vec4.h"
 
 #include <algorithm>
 
@@ -15,10 +16,6 @@ constexpr std::int32_t kRowsAtOnce = 2;  // direct_light.glsl says why not all
 
 std::size_t field_bytes(const OctreeView& octree) {
     return octree.lobes.size() * sizeof(gpu::vec4);
-}
-
-Vec3f to_vec3(const gpu::vec4& v) {
-    return {v.x, v.y, v.z};
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "viewer/gpu/vec4.h"
 #include "viewer/light/bounce.h"
 
 namespace glowworm {
@@ -31,10 +32,6 @@ float spline(float d) {
 float surface_weight(float cosine, float height) {
     const float c2 = cosine * cosine;
     return c2 * c2 * c2 * c2 * std::exp(-4.0f * std::min(height * height, 16.0f));
-}
-
-Vec3f to_vec3(const gpu::vec4& v) {
-    return {v.x, v.y, v.z};
 }
 
 /// Irradiance of `light`, of a surface along `lobe_normal`, if it faced along `normal`.
