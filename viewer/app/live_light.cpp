@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 
 namespace glowworm {
 namespace {
@@ -10,6 +11,7 @@ namespace {
 constexpr int kBouncesAtOnce = 4;    // between two frames
 constexpr int kBouncesEnough = 200;  // where the light does not settle by itself
 constexpr double kTolerance = 1e-3;  // relative change that nobody sees any more
+constexpr auto kInjectTime = std::chrono::milliseconds(50);  // between two frames
 
 }  // namespace
 
@@ -39,6 +41,16 @@ void LiveLight::set_scene(const Scene& scene) {
     if (most_bounces_) field_->forget_indirect();  // so many bounces of these lights, not of others
 }
 
+/// True where direct light has not reached all lobes by the end of that while.
+bool LiveLight::inject_for_a_while() {
+    const auto begun = std::chrono::steady_clock::now();
+    while (field_->inject_more()) {
+        glFinish();
+        if (std::chrono::steady_clock::now() - begun > kInjectTime) return true;
+    }
+    return false;
+}
+
 bool LiveLight::advance() {
     if (settled_) return false;
     if (worker_) {
@@ -50,6 +62,8 @@ bool LiveLight::advance() {
         field_ = std::make_unique<LightField>(context_, octree_, scene_, settings_);
         worker_.reset();
     }
+    injecting_ = inject_for_a_while();
+    if (injecting_) return false;
     const int most = most_bounces_.value_or(kBouncesEnough);
     const int now = std::min(kBouncesAtOnce, most - bounces_);
     if (most_bounces_) {
@@ -68,6 +82,10 @@ bool LiveLight::advance() {
 std::string LiveLight::status() const {
     if (worker_) return fmt::format("tracing links, {:.0f} %", worker_->share_done() * 100.0);
     if (most_bounces_ == 0) return "direct only";
+    if (injecting_) {
+        return fmt::format("direct light reaches the walls, {:.0f} %",
+                           field_->share_injected() * 100.0);
+    }
     return fmt::format("{} {} bounces", settled_ ? "settled after" : "propagating,", bounces_);
 }
 

@@ -25,11 +25,15 @@ class LiveLight {
 
     const LightField& field() const { return *field_; }
     bool settled() const { return settled_; }
+    /// Whether advance() did what does not show yet, and there is more of it to do.
+    bool injecting() const { return injecting_; }
     std::string status() const;  ///< for people
     /// Mean relative change of the light by each step since the lamps changed.
     const std::vector<float>& residuals() const { return residuals_; }
 
   private:
+    bool inject_for_a_while();
+
     const Context& context_;
     OctreeView octree_;
     Scene scene_;
@@ -40,6 +44,7 @@ class LiveLight {
     std::unique_ptr<LightField> field_;
     std::vector<float> residuals_;
     bool settled_ = false;
+    bool injecting_ = false;
     int bounces_ = 0;  // since the lights last changed
 };
 

@@ -95,7 +95,7 @@ std::optional<NextCave> Session::run() {
         move_headlamp();
         relight_if_changed();
         stale_ = light_->advance() || stale_;
-        idle = !draw_frame();
+        idle = !draw_frame() && !light_->injecting();
         show(seconds);
     }
     return std::move(next_);

@@ -49,21 +49,37 @@ void LightField::set_scene(const Scene& scene) {
     emitted_ = Buffer::of("emitted radiance", std::span(emitted));
     gpu_octree_.grid.light_count = static_cast<std::uint32_t>(lights_.size());
     grid_.write(std::span<const gpu::LightGrid>(&gpu_octree_.grid, 1));
-    inject();
+    direct_.clear();
+    injected_lights_ = 0;
+    injected_lobes_ = 0;
 }
 
-void LightField::inject() {
-    bind();
-    direct_.clear();
+bool LightField::inject_more() const {
     const std::size_t lobes = octree_.lobes.size();
-    for (std::uint32_t light = 0; light < gpu_octree_.grid.light_count; ++light) {
-        set_uniform(inject_, 2, light);
-        for (std::size_t first = 0; first < lobes; first += kLobesAtOnce) {
-            const std::size_t last = std::min(lobes, first + kLobesAtOnce);
-            set_uniform(inject_, 0, static_cast<std::uint32_t>(first));
-            set_uniform(inject_, 1, static_cast<std::uint32_t>(last));
-            inject_.dispatch(last - first, kGroup);
-        }
+    if (lobes == 0 || injected_lights_ == gpu_octree_.grid.light_count) return false;
+    bind();
+    const std::size_t first = injected_lobes_, last = std::min(lobes, first + kLobesAtOnce);
+    set_uniform(inject_, 0, static_cast<std::uint32_t>(first));
+    set_uniform(inject_, 1, static_cast<std::uint32_t>(last));
+    set_uniform(inject_, 2, injected_lights_);
+    inject_.dispatch(last - first, kGroup);
+    injected_lobes_ = last;
+    if (last == lobes) {
+        injected_lobes_ = 0;
+        ++injected_lights_;
+    }
+    return true;
+}
+
+double LightField::share_injected() const {
+    const auto lobes = static_cast<double>(octree_.lobes.size());
+    const double lights = gpu_octree_.grid.light_count;
+    if (lobes == 0.0 || lights == 0.0) return 1.0;
+    return (injected_lights_ + static_cast<double>(injected_lobes_) / lobes) / lights;
+}
+
+void LightField::inject() const {
+    while (inject_more()) {
     }
 }
 
@@ -79,6 +95,7 @@ void LightField::bind() const {
 }
 
 void LightField::show_to_cones() const {
+    inject();
     if (!mirrored_) mirrored_.emplace(octree_, LightSettings{});
     bind();
     emitted_.bind_storage(BINDING_SCRATCH_A);
@@ -102,6 +119,7 @@ void LightField::forget_indirect() {
 }
 
 void LightField::gather() {
+    inject();
     bind();
     emitted_.bind_storage(BINDING_SCRATCH_A);
     radiate_.dispatch(octree_.lobes.size(), kGroup);
@@ -210,6 +228,7 @@ std::vector<ProbeResult> LightField::measure(std::span<const Probe> probes) cons
 }
 
 std::vector<gpu::vec4> LightField::read_direct() const {
+    inject();
     return direct_.read<gpu::vec4>(octree_.lobes.size());
 }
 

@@ -43,13 +43,17 @@ struct Convergence {
 /// octree must outlive it, and `context` must be current.
 class LightField {
   public:
-    /// Uploads, and injects the scene's lights; no light is reflected yet.
+    /// Uploads; no light is reflected yet.
     LightField(const Context& context, const OctreeView& octree, const Scene& scene,
                const LightSettings& settings = {});
 
-    /// Other lights or radiances: injects them anew. Indirect light stays as it is and is what the
+    /// Other lights or radiances, which frames and probes see at once; lobes get them by
+    /// inject_more() or when light is next reflected. Indirect light stays as it is and is what the
     /// next bounces start from.
     void set_scene(const Scene& scene);
+    /// A part of the lobes gets the direct light of a lamp, one dispatch. False where all have all.
+    bool inject_more() const;
+    double share_injected() const;  ///< 0..1
 
     /// Makes ready what bounces need, once: cones, or links, baked ones where the file has them,
     /// else traced, on the CPU where OpenGL runs on it too. The first bounce calls it.
@@ -81,7 +85,7 @@ class LightField {
     const LightSettings& settings() const { return settings_; }
 
   private:
-    void inject();
+    void inject() const;        // what is left of it
     void gather();              // from the radiance of the current iterate into gathered_
     void publish(bool smooth);  // what lookups read, from indirect_
 
@@ -98,6 +102,8 @@ class LightField {
     GpuLinks links_;
     std::optional<ConeGather> cones_;
     mutable std::optional<ConeGather> mirrored_;  // for show_to_cones, made when first asked for
+    mutable std::uint32_t injected_lights_ = 0;   // whole ones
+    mutable std::size_t injected_lobes_ = 0;      // of the next light
 };
 
 }  // namespace glowworm
