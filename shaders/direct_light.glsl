@@ -7,7 +7,7 @@
 #define AREA_SAMPLES 6   // per side of an area light's rectangle
 #endif
 #ifndef AREA_PHASE
-#define AREA_PHASE 0.5   // where in its cell of the rectangle a sample lies, 0..1 along both edges
+#define AREA_PHASE 0.5f   // where in its cell of the rectangle a sample lies, 0..1 along both edges
 #endif
 
 #ifndef IN_FULL_VIEW
@@ -17,54 +17,58 @@
 #define EACH_SAMPLE(to_light, irradiance)   // what a pass makes of a sample seen, by unit intensity
 #endif
 
+#ifndef __cplusplus
 layout(std430, binding = BINDING_LIGHTS) readonly buffer Lights { Light lights[]; };
+#endif
 
 // Blender's spot: I cos(theta) smoothstep over the outer part of the cone. 1 on the axis.
 float spot_falloff(float cosine, float cosine_edge, float blend) {
-    float t = (cosine - cosine_edge) / max((1.0 - cosine_edge) * blend, 1e-6);
-    t = clamp(t, 0.0, 1.0);
-    return max(cosine, 0.0) * t * t * (3.0 - 2.0 * t);
+    float t = (cosine - cosine_edge) / max((1.0f - cosine_edge) * blend, 1e-6f);
+    t = clamp(t, 0.0f, 1.0f);
+    return max(cosine, 0.0f) * t * t * (3.0f - 2.0f * t);
 }
 
 vec3 irradiance_from_lamp(Light light, vec3 position, vec3 normal, float offset) {
-    vec3 to_lamp = light.position.xyz - position;
+    vec3 to_lamp = vec3(light.position) - position;
     float squared = dot(to_lamp, to_lamp);
-    vec3 direction = to_lamp * inversesqrt(max(squared, 1e-12));
+    vec3 direction = to_lamp * inversesqrt(max(squared, 1e-12f));
     float cosine = dot(normal, direction);
-    if (cosine <= 0.0) return vec3(0.0);
+    if (cosine <= 0.0f) return vec3(0.0f);
     float shape = light.kind == LIGHT_SPOT
-                      ? spot_falloff(-dot(direction, light.axis.xyz), light.axis.w, light.edge_u.w)
-                      : 1.0;
-    if (shape <= 0.0) return vec3(0.0);
-    if (!visible_from(position, normal, offset, light.position.xyz, 0u, vec3(0.0))) {
-        return vec3(0.0);
+                      ? spot_falloff(-dot(direction, vec3(light.axis)), light.axis.w,
+                                     light.edge_u.w)
+                      : 1.0f;
+    if (shape <= 0.0f) return vec3(0.0f);
+    if (!visible_from(position, normal, offset, vec3(light.position), 0u, vec3(0.0f))) {
+        return vec3(0.0f);
     }
-    EACH_SAMPLE(direction, shape * cosine / max(squared, 1e-12));
-    return light.intensity.rgb * (shape * cosine / max(squared, 1e-12));
+    EACH_SAMPLE(direction, shape * cosine / max(squared, 1e-12f));
+    return vec3(light.intensity) * (shape * cosine / max(squared, 1e-12f));
 }
 
 // Of its AREA_SAMPLES rows of samples, those from first_row to before last_row.
 vec3 irradiance_from_area(Light light, vec3 position, vec3 normal, float offset, int first_row,
                           int last_row) {
-    float area = length(cross(light.edge_u.xyz, light.edge_v.xyz));
+    float area = length(cross(vec3(light.edge_u), vec3(light.edge_v)));
     float area_of_sample = area / float(AREA_SAMPLES * AREA_SAMPLES);
-    float sum = 0.0;
+    float sum = 0.0f;
     for (int v = first_row; v < last_row; ++v) {
         for (int u = 0; u < AREA_SAMPLES; ++u) {
             vec2 at = (vec2(u, v) + AREA_PHASE) / float(AREA_SAMPLES);
-            vec3 point = light.position.xyz + at.x * light.edge_u.xyz + at.y * light.edge_v.xyz;
+            vec3 point =
+                vec3(light.position) + at.x * vec3(light.edge_u) + at.y * vec3(light.edge_v);
             vec3 to_lamp = point - position;
-            float squared = max(dot(to_lamp, to_lamp), 1e-12);
-            float cosines = dot(normal, to_lamp) * -dot(light.axis.xyz, to_lamp) / squared;
-            if (dot(normal, to_lamp) <= 0.0 || cosines <= 0.0) continue;
+            float squared = max(dot(to_lamp, to_lamp), 1e-12f);
+            float cosines = dot(normal, to_lamp) * -dot(vec3(light.axis), to_lamp) / squared;
+            if (dot(normal, to_lamp) <= 0.0f || cosines <= 0.0f) continue;
             if (IN_FULL_VIEW ||
-                visible_from(position, normal, offset, point, light.tag, light.axis.xyz)) {
+                visible_from(position, normal, offset, point, light.tag, vec3(light.axis))) {
                 EACH_SAMPLE(to_lamp * inversesqrt(squared), cosines / squared * area_of_sample);
                 sum += cosines / squared;
             }
         }
     }
-    return light.intensity.rgb * (sum * area_of_sample);
+    return vec3(light.intensity) * (sum * area_of_sample);
 }
 
 // From one light, of an area light the given rows of samples. Passes that may have many lights take
@@ -76,12 +80,12 @@ vec3 direct_irradiance_of(uint light, vec3 position, vec3 normal, float offset, 
         return irradiance_from_area(lights[light], position, normal, offset, first_row, last_row);
     }
     return first_row == 0 ? irradiance_from_lamp(lights[light], position, normal, offset)
-                          : vec3(0.0);
+                          : vec3(0.0f);
 }
 
 // `offset`: how far shadow rays start off the surface, m.
 vec3 direct_irradiance(vec3 position, vec3 normal, float offset) {
-    vec3 sum = vec3(0.0);
+    vec3 sum = vec3(0.0f);
     for (uint i = 0u; i < grid.light_count; ++i) {
         sum += direct_irradiance_of(i, position, normal, offset, 0, AREA_SAMPLES);
     }

@@ -4,12 +4,24 @@
 // every offset (tests/viewer/light_layout_test.cpp holds them to it). Nodes and lobes lie as in the
 // file: octree/node_layout.h says what their fields mean.
 #ifdef __cplusplus
+#define GLM_FORCE_XYZW_ONLY
 #include <cstdint>
+#include <glm/vec4.hpp>
 namespace glowworm::gpu {
 using uint = std::uint32_t;
-struct vec4 {
-    float x = 0.0f, y = 0.0f, z = 0.0f, w = 0.0f;
-};
+using vec4 = glm::vec4;
+#endif
+
+// Where the two spell one thing differently in the topics that are compiled as both
+// (viewer/gpu/glsl.h).
+#ifdef __cplusplus
+#define CONSTANT static constexpr
+#define OUT(T) T&
+#define INOUT(T) T&
+#else
+#define CONSTANT const
+#define OUT(T) out T
+#define INOUT(T) inout T
 #endif
 
 // Bindings of storage buffers: the light's are below 12, the frame's start there.

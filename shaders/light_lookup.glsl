@@ -7,21 +7,23 @@
 // the normal than with the place.
 #include "octree.glsl"
 
+#ifndef __cplusplus
 layout(std430, binding = BINDING_LIGHT) readonly buffer LobeLights { LobeLight lobe_lights[]; };
+#endif
 
-const int kLookupStack = 96;   // 7 siblings wait on each level at most, 14 levels
+CONSTANT int kLookupStack = 96;   // 7 siblings wait on each level at most, 14 levels
 
 // Weight of a leaf whose centre lies `d` leaf edges away along one axis.
 float lookup_weight(float d, bool tricubic) {
     d = abs(d);
-    if (!tricubic) return max(1.0 - d, 0.0);
-    if (d >= 2.0) return 0.0;
-    float r = 2.0 - d;
-    return d >= 1.0 ? r * r * r / 6.0 : (4.0 - 6.0 * d * d + 3.0 * d * d * d) / 6.0;
+    if (!tricubic) return max(1.0f - d, 0.0f);
+    if (d >= 2.0f) return 0.0f;
+    float r = 2.0f - d;
+    return d >= 1.0f ? r * r * r / 6.0f : (4.0f - 6.0f * d * d + 3.0f * d * d * d) / 6.0f;
 }
 
 float facing_weight(float cosine) {
-    float c = max(cosine, 0.0);
+    float c = max(cosine, 0.0f);
     c *= c;
     c *= c;
     return c * c;
@@ -30,7 +32,7 @@ float facing_weight(float cosine) {
 // `height` over the point's tangent plane, m.
 float plane_weight(float height) {
     float h = height / grid.voxel_size;
-    return exp(-4.0 * min(h * h, 16.0));
+    return exp(-4.0f * min(h * h, 16.0f));
 }
 
 // Irradiance of lobe i if it faced along `normal`. Its hemisphere loses the share (1 - cosine) / 2
@@ -38,12 +40,12 @@ float plane_weight(float height) {
 vec3 turned_irradiance(uint i, vec3 lobe_normal, vec3 normal) {
     float cosine = dot(normal, lobe_normal);
     vec3 tilt = normal - cosine * lobe_normal;
-    vec3 sum = 0.5 * (1.0 + cosine) * lobe_lights[i].irradiance.rgb;
+    vec3 sum = 0.5f * (1.0f + cosine) * vec3(lobe_lights[i].irradiance);
     for (int c = 0; c < 3; ++c) {
         vec4 turn = lobe_lights[i].turn[c];
-        sum[c] += dot(tilt, turn.xyz) + 0.5 * (1.0 - cosine) * turn.w;
+        sum[c] += dot(tilt, vec3(turn)) + 0.5f * (1.0f - cosine) * turn.w;
     }
-    return max(sum, vec3(0.0));
+    return max(sum, vec3(0.0f));
 }
 
 // Reflected light at a surface point from the leaves whose centres lie within 2 * width leaf edges
@@ -52,9 +54,9 @@ vec3 turned_irradiance(uint i, vec3 lobe_normal, vec3 normal) {
 LobeLight light_around(vec3 position, vec3 normal, float width, bool tricubic) {
     bool turning = (grid.flags & LIGHT_FLAG_FAITHFUL) == 0u;
     int depth = int(grid.depth);
-    vec3 at = (position - cube_min()) / grid.voxel_size - 0.5;   // leaf centres at whole numbers
-    at = clamp(at, vec3(-8.0), vec3(float(1 << depth) + 8.0));   // outside is outside, and an int
-    float reach = (tricubic ? 2.0 : 1.0) * width;
+    vec3 at = (position - cube_min()) / grid.voxel_size - 0.5f;   // leaf centres at whole numbers
+    at = clamp(at, vec3(-8.0f), vec3(float(1 << depth) + 8.0f));   // outside is outside, and an int
+    float reach = (tricubic ? 2.0f : 1.0f) * width;
     ivec3 low = ivec3(ceil(at - reach));
     ivec3 high = ivec3(floor(at + reach));
 
@@ -64,8 +66,8 @@ LobeLight light_around(vec3 position, vec3 normal, float width, bool tricubic) {
     stack_node[0] = 0u;
     stack_cell[0] = uvec2(0u);
     LobeLight light;
-    light.irradiance = vec4(0.0);
-    light.turn = vec4[3](vec4(0.0), vec4(0.0), vec4(0.0));
+    light.irradiance = vec4(0.0f);
+    for (int c = 0; c < 3; ++c) light.turn[c] = vec4(0.0f);
     while (top > 0) {
         --top;
         Node node = nodes[stack_node[top]];
@@ -76,14 +78,14 @@ LobeLight light_around(vec3 position, vec3 normal, float width, bool tricubic) {
             vec3 d = (vec3(cell) - at) / width;
             float w = lookup_weight(d.x, tricubic) * lookup_weight(d.y, tricubic) *
                       lookup_weight(d.z, tricubic);
-            for (uint i = node.first; w > 0.0 && i < node.first + lobes_of_leaf(node.mask); ++i) {
+            for (uint i = node.first; w > 0.0f && i < node.first + lobes_of_leaf(node.mask); ++i) {
                 vec3 facing = lobe_normal(i);
                 float weight = w * facing_weight(dot(normal, facing)) *
                                plane_weight(dot(normal, lobe_position(i) - position));
-                if (weight <= 0.0) continue;
+                if (weight <= 0.0f) continue;
                 vec3 irradiance = turning ? turned_irradiance(i, facing, normal)
-                                          : lobe_lights[i].irradiance.rgb;
-                light.irradiance += weight * vec4(irradiance, 1.0);
+                                          : vec3(lobe_lights[i].irradiance);
+                light.irradiance += weight * vec4(irradiance, 1.0f);
                 for (int c = 0; c < 3; ++c) light.turn[c] += weight * lobe_lights[i].turn[c];
             }
             continue;
@@ -106,8 +108,8 @@ LobeLight light_around(vec3 position, vec3 normal, float width, bool tricubic) {
         }
     }
     float weights = light.irradiance.w;
-    if (weights > 0.0) {
-        light.irradiance.rgb /= weights;
+    if (weights > 0.0f) {
+        light.irradiance = vec4(vec3(light.irradiance) / weights, weights);
         for (int c = 0; c < 3; ++c) light.turn[c] /= weights;
     }
     return light;
@@ -117,10 +119,10 @@ LobeLight light_around(vec3 position, vec3 normal, float width, bool tricubic) {
 // surface near that faces its way, else positive.
 vec4 indirect_light(vec3 position, vec3 normal) {
     bool tricubic = (grid.flags & LIGHT_FLAG_TRICUBIC) != 0u;
-    return light_around(position, normal, 1.0, tricubic).irradiance;
+    return light_around(position, normal, 1.0f, tricubic).irradiance;
 }
 
 vec3 indirect_irradiance(vec3 position, vec3 normal) {
-    return indirect_light(position, normal).rgb;
+    return vec3(indirect_light(position, normal));
 }
 #endif

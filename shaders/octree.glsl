@@ -3,6 +3,7 @@
 // The octree as it lies in the file, bound for reading.
 #include "gpu_layout.h"
 
+#ifndef __cplusplus
 struct Node {
     uint mask;
     uint first;
@@ -24,8 +25,9 @@ struct Lobe {
 layout(std430, binding = BINDING_NODES) readonly buffer Nodes { Node nodes[]; };
 layout(std430, binding = BINDING_LOBES) readonly buffer Lobes { Lobe lobes[]; };
 layout(std140, binding = BINDING_LIGHT_GRID) uniform LightGridBlock { LightGrid grid; };
+#endif
 
-const float kMaxAlbedo = 0.99;   // above, light in a closed cave would not settle
+CONSTANT float kMaxAlbedo = 0.99f;   // above, light in a closed cave would not settle
 
 vec3 cube_min() { return vec3(grid.cube_min_x, grid.cube_min_y, grid.cube_min_z); }
 
@@ -39,7 +41,7 @@ vec3 lobe_ndf(uint i) { return vec3(lobes[i].ndf[0], lobes[i].ndf[1], lobes[i].n
 vec3 lobe_normal(uint i) {
     vec3 n = lobe_ndf(i);
     float l = length(n);
-    return l > 0.0 ? n / l : vec3(0.0, 0.0, 1.0);
+    return l > 0.0f ? n / l : vec3(0.0f, 0.0f, 1.0f);
 }
 
 vec3 lobe_albedo(uint i) {
@@ -49,9 +51,9 @@ vec3 lobe_albedo(uint i) {
 // A lobe's plane stands for rough rock, of 1 / |ndf| times its area, that lights itself: of what
 // enters through the plane, only this share leaves again (a cavity of that opening).
 vec3 lobe_reflectance(uint i) {
-    vec3 albedo = clamp(lobe_albedo(i), vec3(0.0), vec3(kMaxAlbedo));
-    float opening = min(length(lobe_ndf(i)), 1.0);
-    return albedo * opening / (1.0 - albedo * (1.0 - opening));
+    vec3 albedo = clamp(lobe_albedo(i), vec3(0.0f), vec3(kMaxAlbedo));
+    float opening = min(length(lobe_ndf(i)), 1.0f);
+    return albedo * opening / (1.0f - albedo * (1.0f - opening));
 }
 
 vec3 unpack_bytes(uint bits) {
@@ -61,7 +63,7 @@ vec3 unpack_bytes(uint bits) {
 // EXT_texture_shared_exponent, red in the low bits.
 vec3 unpack_rgb9e5(uint bits) {
     vec3 mantissa = vec3(bits & 511u, (bits >> 9) & 511u, (bits >> 18) & 511u);
-    return mantissa * exp2(float(bits >> 27) - 24.0);
+    return mantissa * exp2(float(bits >> 27) - 24.0f);
 }
 
 uint lobes_of_leaf(uint mask) { return (mask >> 8) & 3u; }

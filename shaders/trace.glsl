@@ -3,18 +3,18 @@
 // Exact rays through the octree: the twin of octree/trace.cpp, which says why each step is so.
 #include "octree.glsl"
 
-const float kLeastOffset = 0.25;     // leaf edges: how far a ray starts off its lobe
+CONSTANT float kLeastOffset = 0.25f;     // leaf edges: how far a ray starts off its lobe
 // Leaf edges: how far a ray starts off a point of the surface itself, which lies nearer to the
 // samples than a leaf's mean does. More looks past the rims of what shadows the point, and lets light
 // under the bumps of a wall that it grazes.
-const float kPointOffset = 0.03;
-const float kSigmasOff = 3.0;        // of the samples' scatter about the lobe's plane
-const float kLeastDistance = 0.5;    // leaf edges: the surface it leaves is not met nearer
-const float kLeastBehind = 2.0;      // leaf edges: nor from behind in the leaves round its own
-const float kSameSurface = 0.5;      // cosine of 60 degrees
-const float kLampHeight = 0.5;       // leaf edges: what is that near a lamp's plane is the lamp
-const float kLampCosine = 0.8;       // and has a normal along its axis
-const int kMaxWalkDepth = 14;        // levels the walk remembers
+CONSTANT float kPointOffset = 0.03f;
+CONSTANT float kSigmasOff = 3.0f;        // of the samples' scatter about the lobe's plane
+CONSTANT float kLeastDistance = 0.5f;    // leaf edges: the surface it leaves is not met nearer
+CONSTANT float kLeastBehind = 2.0f;      // leaf edges: nor from behind in the leaves round its own
+CONSTANT float kSameSurface = 0.5f;      // cosine of 60 degrees
+CONSTANT float kLampHeight = 0.5f;       // leaf edges: what is that near a lamp's plane is the lamp
+CONSTANT float kLampCosine = 0.8f;       // and has a normal along its axis
+CONSTANT int kMaxWalkDepth = 14;        // levels the walk remembers
 
 // A walk through the cells, in leaf edges.
 struct Walk {
@@ -33,18 +33,18 @@ ivec3 cell_at(Walk w, ivec3 low, ivec3 high) {
 
 Walk begin_walk(vec3 origin, vec3 direction, float t_max) {
     Walk w;
-    float per_edge = 1.0 / grid.voxel_size;
+    float per_edge = 1.0f / grid.voxel_size;
     float cells = float(1u << grid.depth);
     w.origin = (origin - cube_min()) * per_edge;
-    vec3 small = vec3(direction.x < 0.0 ? -1e-9 : 1e-9, direction.y < 0.0 ? -1e-9 : 1e-9,
-                      direction.z < 0.0 ? -1e-9 : 1e-9);
-    w.direction = mix(direction, small, lessThan(abs(direction), vec3(1e-9)));
-    w.inverse = 1.0 / w.direction;
-    vec3 t0 = (vec3(0.0) - w.origin) * w.inverse;
+    vec3 small = vec3(direction.x < 0.0f ? -1e-9f : 1e-9f, direction.y < 0.0f ? -1e-9f : 1e-9f,
+                      direction.z < 0.0f ? -1e-9f : 1e-9f);
+    w.direction = mix(direction, small, lessThan(abs(direction), vec3(1e-9f)));
+    w.inverse = 1.0f / w.direction;
+    vec3 t0 = (vec3(0.0f) - w.origin) * w.inverse;
     vec3 t1 = (vec3(cells) - w.origin) * w.inverse;
     vec3 near = min(t0, t1);
     vec3 far = max(t0, t1);
-    w.t = max(0.0, max(near.x, max(near.y, near.z)));
+    w.t = max(0.0f, max(near.x, max(near.y, near.z)));
     w.t_end = min(t_max * per_edge, min(far.x, min(far.y, far.z)));
     w.inside = w.t <= w.t_end;
     w.cell = cell_at(w, ivec3(0), ivec3((1 << int(grid.depth)) - 1));
@@ -55,7 +55,7 @@ Walk begin_walk(vec3 origin, vec3 direction, float t_max) {
 
 // Down from the deepest node known to hold the cell. Returns the level of the empty cell, or
 // depth + 1 where there is a leaf.
-int descend(inout Walk w) {
+int descend(INOUT(Walk) w) {
     int depth = int(grid.depth);
     uint index = walk_path[w.known];
     for (int level = w.known; level < depth; ++level) {
@@ -74,10 +74,10 @@ int descend(inout Walk w) {
 }
 
 // Steps over the cell of 2^shift leaves that the walk is in.
-void leave_cell(inout Walk w, int shift) {
+void leave_cell(INOUT(Walk) w, int shift) {
     int size = 1 << shift;
     ivec3 low = (w.cell >> shift) << shift;
-    vec3 face = vec3(low) + mix(vec3(0.0), vec3(size), greaterThan(w.direction, vec3(0.0)));
+    vec3 face = vec3(low) + mix(vec3(0.0f), vec3(float(size)), greaterThan(w.direction, vec3(0.0f)));
     vec3 exit = (face - w.origin) * w.inverse;
     int axis = exit.y < exit.x ? (exit.z < exit.y ? 2 : 1) : (exit.z < exit.x ? 2 : 0);
     w.t = max(w.t, exit[axis]);
@@ -86,7 +86,7 @@ void leave_cell(inout Walk w, int shift) {
         return;
     }
     w.cell = cell_at(w, low, low + size - 1);
-    int next = w.direction[axis] > 0.0 ? low[axis] + size : low[axis] - 1;
+    int next = w.direction[axis] > 0.0f ? low[axis] + size : low[axis] - 1;
     if (next < 0 || (next >> int(grid.depth)) != 0) {
         w.inside = false;
         return;
@@ -96,7 +96,7 @@ void leave_cell(inout Walk w, int shift) {
 }
 
 // Goes on to the next occupied leaf at or after the walk's cell; false when the ray has ended.
-bool find_leaf(inout Walk w) {
+bool find_leaf(INOUT(Walk) w) {
     int depth = int(grid.depth);
     while (w.inside) {
         int empty_level = descend(w);
@@ -131,10 +131,10 @@ bool in_patch(uint lobe, vec3 corner, vec3 point) {
     float edge = grid.voxel_size;
     float margin = grid.patch_margin * lobes[lobe].spacing;
     vec3 at = point - corner;
-    vec3 low = unpack_bytes(lobes[lobe].patch_min) * (edge / 255.0) - margin;
-    vec3 high = unpack_bytes(lobes[lobe].patch_max) * (edge / 255.0) + margin;
+    vec3 low = unpack_bytes(lobes[lobe].patch_min) * (edge / 255.0f) - margin;
+    vec3 high = unpack_bytes(lobes[lobe].patch_max) * (edge / 255.0f) + margin;
     return all(greaterThanEqual(at, low)) && all(lessThanEqual(at, high)) &&
-           all(lessThanEqual(abs(at - 0.5 * edge), vec3(grid.reach * edge)));
+           all(lessThanEqual(abs(at - 0.5f * edge), vec3(grid.reach * edge)));
 }
 
 // Whether `point` on the plane of a lobe lies beyond the edge that it forms with the second surface
@@ -143,9 +143,9 @@ bool beyond_edge(uint lobe, uint other, vec3 point) {
     vec3 apart = lobe_position(lobe) - lobe_position(other);
     float side = dot(lobe_ndf(other), apart);
     float other_side = -dot(lobe_ndf(lobe), apart);
-    if (side * other_side <= 0.0) return false;   // they cross: not an edge
+    if (side * other_side <= 0.0f) return false;   // they cross: not an edge
     float at = dot(lobe_ndf(other), point - lobe_position(other));
-    return side < 0.0 ? at > 0.0 : at < 0.0;
+    return side < 0.0f ? at > 0.0f : at < 0.0f;
 }
 
 bool meets(LeafAhead leaf, uint lobe, vec3 point) {
@@ -170,12 +170,12 @@ uint trace_ray(vec3 origin, vec3 direction, vec3 from_normal, float t_min, float
             vec3 offset = lobe_position(i) - origin;
             float slope = dot(normal, direction);
             float t = dot(normal, offset) / slope;
-            float least = dot(normal, from_normal) > kSameSurface ? t_min : 0.0;
+            float least = dot(normal, from_normal) > kSameSurface ? t_min : 0.0f;
             if (t >= least && t < nearest && meets(leaf, i, origin + direction * t)) {
                 nearest = t;
                 hit = i;
-                behind = slope > 0.0 && lobes[i].light == 0u;   // a lamp's back is black, not rock
-            } else if (slope < 0.0 && candidate == NO_HIT && dot(offset, direction) > least) {
+                behind = slope > 0.0f && lobes[i].light == 0u;   // a lamp's back is black, not rock
+            } else if (slope < 0.0f && candidate == NO_HIT && dot(offset, direction) > least) {
                 candidate = i;
             }
         }
@@ -199,10 +199,10 @@ bool unoccluded(vec3 origin, vec3 direction, vec3 from_normal, float t_min, floa
             vec3 normal = lobe_ndf(i);
             float slope = dot(normal, direction);
             float t = dot(normal, lobe_position(i) - origin) / slope;
-            float least = 0.0;
+            float least = 0.0f;
             if (dot(normal, from_normal) > kSameSurface) {
                 // A point of a bumpy wall may lie a little under the planes beside it.
-                least = slope > 0.0 ? max(t_min, kLeastBehind * grid.voxel_size) : t_min;
+                least = slope > 0.0f ? max(t_min, kLeastBehind * grid.voxel_size) : t_min;
             }
             if (!(t >= least && t <= t_max)) continue;
             vec3 point = origin + direction * t;
@@ -221,13 +221,13 @@ bool visible_from(vec3 from, vec3 normal, float offset, vec3 to, uint tag, vec3 
     vec3 start = from + normal * offset;
     vec3 way = to - start;
     float distance = length(way);
-    float t_min = min(kLeastDistance * grid.voxel_size, 0.5 * distance);
-    return distance <= 0.0 ||
+    float t_min = min(kLeastDistance * grid.voxel_size, 0.5f * distance);
+    return distance <= 0.0f ||
            unoccluded(start, way / distance, normal, t_min, distance, tag, lamp_normal);
 }
 
 // Whether the surface point `from` sees `to`.
 bool visible(vec3 from, vec3 normal, vec3 to) {
-    return visible_from(from, normal, kPointOffset * grid.voxel_size, to, 0u, vec3(0.0));
+    return visible_from(from, normal, kPointOffset * grid.voxel_size, to, 0u, vec3(0.0f));
 }
 #endif

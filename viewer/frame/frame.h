@@ -44,6 +44,8 @@ class Frame {
     const Buffer& beauty() const { return shading_.beauty(); }
     const GBuffer& gbuffer() const { return gbuffer_; }
     const Shading& shading() const { return shading_; }
+    /// Draws by shaders where compiled code would be faster: to compare the two.
+    void force_shaders(bool force) { shading_.force_shaders(force); }
     void set_wetness(float wetness) { settings_.wetness = wetness; }
     void set_selection(const SelectionSettings& selection) { settings_.selection = selection; }
     std::uint64_t surfels_drawn() const { return surfels_drawn_; }  ///< by the last draw

@@ -62,8 +62,8 @@ void GBuffer::bind() const {
 void GBuffer::begin(const OctreeView& octree, const View& view) {
     resize(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
     shown_ = view;
-    const gpu::ViewBlock block = view_block_of(view, octree.grid.origin);
-    view_.write(std::span(&block, 1));
+    view_block_ = view_block_of(view, octree.grid.origin);
+    view_.write(std::span<const gpu::ViewBlock>(&view_block_, 1));
     chunks_.clear();
     batches_.clear();
     draws_.clear();

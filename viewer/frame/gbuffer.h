@@ -41,6 +41,8 @@ class GBuffer {
     const Buffer& surfaces() const { return surfaces_; }
     /// [pixels] vec4: linear albedo; w: NDF length.
     const Buffer& albedos() const { return albedos_; }
+    /// The view as passes see it.
+    const gpu::ViewBlock& view_block() const { return view_block_; }
 
   private:
     /// What one page draws: a range of the batches.
@@ -60,6 +62,7 @@ class GBuffer {
     Program find_rims_{{"rim_find.comp"}}, open_rims_{{"rim_open.comp"}};
     Program resolve_{{"surface_resolve.comp"}};
     View shown_;
+    gpu::ViewBlock view_block_{};
     std::vector<gpu::DrawnChunk> chunks_;
     std::vector<gpu::SplatBatch> batches_;
     std::vector<PageDraw> draws_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "shaders/frame_layout.h"
+#include "viewer/gpu/context.h"
 
 namespace glowworm {
 namespace {
@@ -31,15 +32,23 @@ void Shading::set_panels(std::span<const AreaLight> panels, const Vec3d& origin)
 
 void Shading::draw(const GBuffer& gbuffer, const LightField& light, const View& view,
                    int sub_pixels, float wetness) {
-    const auto width = static_cast<GLuint>(view.width), height = static_cast<GLuint>(view.height);
-    const std::size_t bytes = std::size_t{width} * height * sizeof(gpu::vec4);
-    if (beauty_.bytes() != bytes) {
-        direct_ = Buffer("pixel direct", bytes);
-        indirect_ = Buffer("pixel indirect", bytes);
-        specular_ = Buffer("pixel specular", bytes);
-        emission_ = Buffer("pixel emission", bytes);
-        beauty_ = Buffer("pixel beauty", bytes);
+    const std::size_t bytes = static_cast<std::size_t>(view.width) *
+                              static_cast<std::size_t>(view.height) * sizeof(gpu::vec4);
+    if (layers_.beauty.bytes() != bytes) {
+        layers_ = {Buffer("pixel direct", bytes), Buffer("pixel indirect", bytes),
+                   Buffer("pixel specular", bytes), Buffer("pixel emission", bytes),
+                   Buffer("pixel beauty", bytes)};
     }
+    if (runs_on_cpu() && !shaders_forced_ && wetness <= 0.0f) {
+        shade_on_cpu(gbuffer, light, {panels_, panel_count_, sub_pixels}, layers_);
+    } else {
+        draw_by_shaders(gbuffer, light, view, sub_pixels, wetness);
+    }
+}
+
+void Shading::draw_by_shaders(const GBuffer& gbuffer, const LightField& light, const View& view,
+                              int sub_pixels, float wetness) {
+    const auto width = static_cast<GLuint>(view.width), height = static_cast<GLuint>(view.height);
     if (wetness > 0.0f) {
         if (!wet_) wet_.emplace(std::vector<std::string>{"WET"});
         light.show_to_cones();
@@ -49,11 +58,11 @@ void Shading::draw(const GBuffer& gbuffer, const LightField& light, const View& 
     light.bind();
     gbuffer.bind();
     panels_.bind_storage(BINDING_PANELS);
-    direct_.bind_storage(BINDING_PIXEL_DIRECT);
-    indirect_.bind_storage(BINDING_PIXEL_INDIRECT);
-    specular_.bind_storage(BINDING_PIXEL_SPECULAR);
-    emission_.bind_storage(BINDING_PIXEL_EMISSION);
-    beauty_.bind_storage(BINDING_PIXEL_BEAUTY);
+    layers_.direct.bind_storage(BINDING_PIXEL_DIRECT);
+    layers_.indirect.bind_storage(BINDING_PIXEL_INDIRECT);
+    layers_.specular.bind_storage(BINDING_PIXEL_SPECULAR);
+    layers_.emission.bind_storage(BINDING_PIXEL_EMISSION);
+    layers_.beauty.bind_storage(BINDING_PIXEL_BEAUTY);
     const auto run = [&](const Program& pass) {
         pass.use();
         glDispatchCompute((width + 7) / 8, (height + 7) / 8, 1);

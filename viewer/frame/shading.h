@@ -7,6 +7,7 @@
 
 #include "octree/surfel.h"
 #include "viewer/frame/gbuffer.h"
+#include "viewer/frame/shade_pass.h"
 #include "viewer/light/light_field.h"
 
 namespace glowworm {
@@ -27,12 +28,15 @@ class Shading {
               float wetness = 0.0f);
 
     /// [pixels] vec4 of radiance, W·sr⁻¹·m⁻².
-    const Buffer& direct() const { return direct_; }
-    const Buffer& indirect() const { return indirect_; }
-    const Buffer& specular() const { return specular_; }
-    const Buffer& emission() const { return emission_; }
+    const Buffer& direct() const { return layers_.direct; }
+    const Buffer& indirect() const { return layers_.indirect; }
+    const Buffer& specular() const { return layers_.specular; }
+    const Buffer& emission() const { return layers_.emission; }
     /// Their sum; w: 1 where a surface was hit.
-    const Buffer& beauty() const { return beauty_; }
+    const Buffer& beauty() const { return layers_.beauty; }
+
+    /// Frame::force_shaders
+    void force_shaders(bool force) { shaders_forced_ = force; }
 
   private:
     struct Passes {
@@ -41,10 +45,15 @@ class Shading {
             : surface({"shade.comp"}, defines), light({"shade_light.comp"}, defines) {}
     };
 
+    void draw_by_shaders(const GBuffer& gbuffer, const LightField& light, const View& view,
+                         int sub_pixels, float wetness);
+
     Passes dry_{{}};
     std::optional<Passes> wet_;  // compiled when first asked for
-    Buffer panels_, direct_, indirect_, specular_, emission_, beauty_;
+    ShadedLayers layers_;
+    Buffer panels_;
     std::uint32_t panel_count_ = 0;
+    bool shaders_forced_ = false;
 };
 
 }  // namespace glowworm

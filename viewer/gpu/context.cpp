@@ -7,6 +7,7 @@
 #include <EGL/eglext.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <string_view>
@@ -95,22 +96,21 @@ std::vector<EGLDisplay> candidate_displays() {
     return displays;
 }
 
-std::string gl_string(GLenum name) {
+std::string_view gl_string(GLenum name) {
     const GLubyte* text = glGetString(name);
     return text != nullptr ? reinterpret_cast<const char*>(text) : "";
 }
 
 GlDevice inspect_current_context() {
-    GlDevice device{.renderer = gl_string(GL_RENDERER), .version = gl_string(GL_VERSION)};
+    GlDevice device{.renderer = std::string(gl_string(GL_RENDERER)),
+                    .version = std::string(gl_string(GL_VERSION))};
     if (epoxy_gl_version() < 45) {
         throw Error(ExitCode::kInternal,
                     fmt::format("OpenGL 4.5 is needed and this machine offers \"{}\" on \"{}\": "
                                 "update the graphics driver or install Mesa's libgl1-mesa-dri",
                                 device.version, device.renderer));
     }
-    for (const char* name : {"llvmpipe", "softpipe", "SwiftShader"}) {
-        device.software |= device.renderer.find(name) != std::string::npos;
-    }
+    device.software = runs_on_cpu();
     GLint64 bytes = 0;
     glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
     device.max_storage_bytes = bytes;
@@ -135,6 +135,13 @@ void collect_errors(std::vector<std::string>& errors) {
 }
 
 }  // namespace
+
+bool runs_on_cpu() {
+    const std::string_view renderer = gl_string(GL_RENDERER);
+    return std::ranges::any_of(
+        std::array<std::string_view, 3>{"llvmpipe", "softpipe", "SwiftShader"},
+        [&](std::string_view name) { return renderer.find(name) != std::string_view::npos; });
+}
 
 Context Context::headless() {
     auto state = std::make_unique<State>();

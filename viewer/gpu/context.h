@@ -16,6 +16,10 @@ struct GlDevice {
     int max_texture_3d = 0;              ///< texels along an edge
 };
 
+/// Whether the OpenGL that is current on this thread is a CPU renderer. Its buffers are then memory
+/// like any other, and compiled code does in it what shaders do, many times faster.
+bool runs_on_cpu();
+
 /// An OpenGL 4.5 core context that is current on this thread, and the errors it reports.
 class Context {
   public:

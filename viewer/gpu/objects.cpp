@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "octree/error.h"
+#include "viewer/gpu/context.h"
 
 namespace glowworm {
 
@@ -37,8 +38,9 @@ Buffer::Buffer(const std::string& label, std::size_t bytes) : bytes_(bytes) {
     glCreateBuffers(1, &name);
     name_ = GlName(name);
     label_object(GL_BUFFER, name, label);
+    const GLbitfield mappable = runs_on_cpu() ? GL_MAP_READ_BIT | GL_MAP_WRITE_BIT : 0;
     glNamedBufferStorage(name, static_cast<GLsizeiptr>(std::max(bytes, kEmptyBufferBytes)), nullptr,
-                         GL_DYNAMIC_STORAGE_BIT);
+                         GL_DYNAMIC_STORAGE_BIT | mappable);
     GLint64 given = 0;
     glGetNamedBufferParameteri64v(name, GL_BUFFER_SIZE, &given);
     if (given < static_cast<GLint64>(bytes)) {
@@ -78,6 +80,15 @@ void Buffer::read_bytes(std::size_t offset, std::span<std::byte> bytes) const {
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glGetNamedBufferSubData(name_.get(), static_cast<GLintptr>(offset),
                             static_cast<GLsizeiptr>(bytes.size()), bytes.data());
+}
+
+void* Buffer::map_bytes(bool only_to_read) const {
+    glMemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
+    void* at = glMapNamedBufferRange(
+        name_.get(), 0, static_cast<GLsizeiptr>(std::max(bytes_, kEmptyBufferBytes)),
+        only_to_read ? GL_MAP_READ_BIT : GL_MAP_READ_BIT | GL_MAP_WRITE_BIT);
+    if (at == nullptr) throw Error(ExitCode::kInternal, "a GPU buffer that cannot be mapped");
+    return at;
 }
 
 void Buffer::bind_storage(GLuint binding) const {

@@ -27,6 +27,24 @@ class GlName {
     GLuint name_ = 0;
 };
 
+/// Buffer::map(): goes back to GL when this ends.
+template <typename T>
+class Mapped {
+  public:
+    Mapped(GLuint buffer, std::size_t bytes, void* at)
+        : buffer_(buffer), values_(static_cast<T*>(at), bytes / sizeof(T)) {}
+    Mapped(Mapped&&) noexcept = default;
+    Mapped& operator=(Mapped&&) noexcept = default;
+    ~Mapped() {
+        if (buffer_.get() != 0) glUnmapNamedBuffer(buffer_.get());
+    }
+    operator std::span<T>() const { return values_; }
+
+  private:
+    GlName buffer_;
+    std::span<T> values_;
+};
+
 /// Memory of the GPU with a fixed size. An empty one is legal and holds 16 bytes of zeros, so that
 /// it can be bound.
 class Buffer {
@@ -63,6 +81,14 @@ class Buffer {
     }
     void clear();  ///< all zeros
 
+    /// All of its values where they lie, while the result lives; GL must not use the buffer then.
+    /// Only where OpenGL runs on the CPU, else an internal Error; const T: only to read.
+    template <typename T>
+    Mapped<T> map() const {
+        static_assert(std::is_trivially_copyable_v<T>);
+        return Mapped<T>(name(), bytes_, map_bytes(std::is_const_v<T>));
+    }
+
     void bind_storage(GLuint binding) const;
     /// Shows `bytes` from `offset` on; the offset is a multiple of 256.
     void bind_storage(GLuint binding, std::size_t offset, std::size_t bytes) const;
@@ -72,6 +98,7 @@ class Buffer {
     std::size_t bytes() const { return bytes_; }
 
   private:
+    void* map_bytes(bool only_to_read) const;
     void write_bytes(std::size_t offset, std::span<const std::byte> bytes);
     void read_bytes(std::size_t offset, std::span<std::byte> bytes) const;
     GlName name_;

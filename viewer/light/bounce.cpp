@@ -42,7 +42,7 @@ std::vector<gpu::vec4> bounce_along(const LinkRows& rows, std::span<const gpu::v
     std::vector<gpu::vec4> gathered(radiance.size());
     for_each_lobe(gathered.size(), [&](std::size_t lobe) {
         const auto row = rows.of(lobe);
-        gpu::vec4 sum;
+        gpu::vec4 sum{};
         for (const std::uint32_t link : row) {
             const gpu::vec4& from = sources[std::min(link, black)];
             sum.x += from.x;

@@ -82,6 +82,8 @@ class LightField {
     std::span<const gpu::Light> lights() const { return lights_; }
     const GpuLinks& links() const { return links_; }
     const GpuOctree& octree() const { return gpu_octree_; }
+    /// [lobes] gpu::LobeLight: what light_lookup.glsl reads.
+    const Buffer& lobe_lights() const { return lit_; }
     const LightSettings& settings() const { return settings_; }
 
   private:
