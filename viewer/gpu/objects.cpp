@@ -83,6 +83,7 @@ void Buffer::read_bytes(std::size_t offset, std::span<std::byte> bytes) const {
 }
 
 void* Buffer::map_bytes(bool only_to_read) const {
+    if (name_.get() == 0) return nullptr;
     glMemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
     void* at = glMapNamedBufferRange(
         name_.get(), 0, static_cast<GLsizeiptr>(std::max(bytes_, kEmptyBufferBytes)),
