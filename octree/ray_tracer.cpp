@@ -235,10 +235,9 @@ RayTracer::RayTracer(const OctreeView& octree, const TraceSettings& settings)
         Patch first = patch_of(leaf.first);
         first.count = static_cast<std::uint16_t>((leaf.mask >> 8) & 3u);
         first.others = static_cast<std::uint32_t>(patches_.size());
-        std::uint32_t surface = first.count;
-        while (surface > 0 && octree.lobes[leaf.first + surface - 1].light != 0)
-            --surface;
-        first.wedge = surface == 2 ? 1 : 0;
+        const Lobe& last = octree.lobes[leaf.first + first.count - 1u];
+        const bool last_emits = last.light != 0 || last.emission != 0;
+        first.wedge = first.count == (last_emits ? 3 : 2) ? 1 : 0;
         for (std::uint32_t k = 1; k < first.count; ++k)
             patches_.push_back(patch_of(leaf.first + k));
         patches_[i] = first;

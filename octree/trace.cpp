@@ -159,6 +159,11 @@ Vec3f unpack_bytes(std::uint32_t packed) {
             static_cast<float>((packed >> 16) & 255u)};
 }
 
+/// Of a leaf's two or three lobes the last: whether it is no surface but a lamp.
+bool emits(const Lobe& lobe) {
+    return lobe.light != 0 || lobe.emission != 0;
+}
+
 /// A leaf that a ray passes: its lobes, and where its cell lies.
 struct LeafAhead {
     std::uint32_t first, last;   // lobes
@@ -170,8 +175,7 @@ struct LeafAhead {
         first = walk.leaf().first;
         last = first + ((walk.leaf().mask >> 8) & 3u);
         surface_last = last;
-        while (surface_last > first && octree.lobes[surface_last - 1].light != 0)
-            --surface_last;
+        if (last - first > 1 && emits(octree.lobes[last - 1])) --surface_last;
         corner = {octree.grid.cube_min.x + static_cast<float>(walk.cell(0)) * edge,
                   octree.grid.cube_min.y + static_cast<float>(walk.cell(1)) * edge,
                   octree.grid.cube_min.z + static_cast<float>(walk.cell(2)) * edge};

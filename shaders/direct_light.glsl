@@ -83,6 +83,13 @@ vec3 direct_irradiance_of(uint light, vec3 position, vec3 normal, float offset, 
                           : vec3(0.0f);
 }
 
+// From one light on a lobe's plane.
+vec3 direct_irradiance_of_lobe(uint light, uint lobe) {
+    float offset = max(kLeastOffset * grid.voxel_size, kSigmasOff * lobes[lobe].plane_sigma);
+    return direct_irradiance_of(light, lobe_position(lobe), lobe_normal(lobe), offset, 0,
+                                AREA_SAMPLES);
+}
+
 // `offset`: how far shadow rays start off the surface, m.
 vec3 direct_irradiance(vec3 position, vec3 normal, float offset) {
     vec3 sum = vec3(0.0f);

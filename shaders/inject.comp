@@ -13,7 +13,5 @@ void main() {
     uint i = first_lobe + (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u +
              gl_LocalInvocationID.x;
     if (i >= last_lobe) return;
-    float offset = max(kLeastOffset * grid.voxel_size, kSigmasOff * lobes[i].plane_sigma);
-    direct_field[i].rgb += direct_irradiance_of(light, lobe_position(i), lobe_normal(i), offset, 0,
-                                                AREA_SAMPLES);
+    direct_field[i].rgb += direct_irradiance_of_lobe(light, i);
 }

@@ -216,6 +216,10 @@ bool unoccluded(vec3 origin, vec3 direction, vec3 from_normal, float t_min, floa
     return true;
 }
 
+#ifndef UNOCCLUDED
+#define UNOCCLUDED unoccluded   // what answers shadow rays, with the arguments of unoccluded()
+#endif
+
 // Whether a surface point sees `to`, starting off its plane by `offset` metres.
 bool visible_from(vec3 from, vec3 normal, float offset, vec3 to, uint tag, vec3 lamp_normal) {
     vec3 start = from + normal * offset;
@@ -223,7 +227,7 @@ bool visible_from(vec3 from, vec3 normal, float offset, vec3 to, uint tag, vec3 
     float distance = length(way);
     float t_min = min(kLeastDistance * grid.voxel_size, 0.5f * distance);
     return distance <= 0.0f ||
-           unoccluded(start, way / distance, normal, t_min, distance, tag, lamp_normal);
+           UNOCCLUDED(start, way / distance, normal, t_min, distance, tag, lamp_normal);
 }
 
 // Whether the surface point `from` sees `to`.

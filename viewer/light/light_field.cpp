@@ -1,7 +1,9 @@
 #include "viewer/light/light_field.h"
-#include "viewer/gpu/vec4.h"
 
 #include <algorithm>
+
+#include "viewer/gpu/vec4.h"
+#include "viewer/light/direct.h"
 
 namespace glowworm {
 
@@ -13,6 +15,16 @@ constexpr int kLeastBounces = 2;
 constexpr double kFarthest = 1e7;        // m
 constexpr std::int32_t kProbeRows = 16;  // AREA_SAMPLES of probe_direct.comp
 constexpr std::int32_t kRowsAtOnce = 2;  // direct_light.glsl says why not all
+
+/// Of each probe, its direct and its indirect irradiance.
+std::vector<ProbeResult> probe_results(std::span<const gpu::vec4> measured) {
+    std::vector<ProbeResult> results;
+    for (std::size_t i = 0; i < measured.size(); i += 2) {
+        results.push_back(
+            {to_vec3(measured[i]), to_vec3(measured[i + 1]), measured[i + 1].w > 0.0f});
+    }
+    return results;
+}
 
 std::size_t field_bytes(const OctreeView& octree) {
     return octree.lobes.size() * sizeof(gpu::vec4);
@@ -57,18 +69,40 @@ void LightField::set_scene(const Scene& scene) {
 bool LightField::inject_more() const {
     const std::size_t lobes = octree_.lobes.size();
     if (lobes == 0 || injected_lights_ == gpu_octree_.grid.light_count) return false;
-    bind();
     const std::size_t first = injected_lobes_, last = std::min(lobes, first + kLobesAtOnce);
-    set_uniform(inject_, 0, static_cast<std::uint32_t>(first));
-    set_uniform(inject_, 1, static_cast<std::uint32_t>(last));
-    set_uniform(inject_, 2, injected_lights_);
-    inject_.dispatch(last - first, kGroup);
+    if (runs_compiled()) {
+        const RayTracer& rays = tracer();
+        const auto closed = gpu_octree_.lobes.map<const Lobe>();
+        const auto direct = direct_.map<gpu::vec4>();
+        add_direct_light({rays, closed, lights_, gpu_octree_.grid}, injected_lights_, first,
+                         std::span<gpu::vec4>(direct).subspan(first, last - first));
+    } else {
+        bind();
+        set_uniform(inject_, 0, static_cast<std::uint32_t>(first));
+        set_uniform(inject_, 1, static_cast<std::uint32_t>(last));
+        set_uniform(inject_, 2, injected_lights_);
+        inject_.dispatch(last - first, kGroup);
+    }
     injected_lobes_ = last;
     if (last == lobes) {
         injected_lobes_ = 0;
         ++injected_lights_;
     }
     return true;
+}
+
+bool LightField::runs_compiled() const {
+    return context_.device().software && settings_.run_on != RunOn::kGpu;
+}
+
+const RayTracer& LightField::tracer() const {
+    if (!tracer_) {
+        const auto closed = gpu_octree_.lobes.map<const Lobe>();
+        OctreeView octree = octree_;
+        octree.lobes = closed;
+        tracer_ = std::make_unique<RayTracer>(octree, settings_.trace);
+    }
+    return *tracer_;
 }
 
 double LightField::share_injected() const {
@@ -200,6 +234,7 @@ std::vector<ProbeResult> LightField::measure(std::span<const Probe> probes) cons
         places.push_back({at.x, at.y, at.z, 0.0f});
         places.push_back({probe.normal.x, probe.normal.y, probe.normal.z, 0.0f});
     }
+    if (runs_compiled()) return measure_compiled(places);
     const Buffer places_buffer = Buffer::of("probes", std::span<const gpu::vec4>(places));
     const Buffer measured("measured", places.size() * sizeof(gpu::vec4));
     bind();
@@ -218,13 +253,18 @@ std::vector<ProbeResult> LightField::measure(std::span<const Probe> probes) cons
         }
     }
 
-    const auto values = measured.read<gpu::vec4>(places.size());
-    std::vector<ProbeResult> results(probes.size());
-    for (std::size_t i = 0; i < results.size(); ++i) {
-        results[i] = {to_vec3(values[2 * i]), to_vec3(values[2 * i + 1]),
-                      values[2 * i + 1].w > 0.0f};
-    }
-    return results;
+    return probe_results(measured.read<gpu::vec4>(places.size()));
+}
+
+std::vector<ProbeResult> LightField::measure_compiled(std::span<const gpu::vec4> places) const {
+    const RayTracer& rays = tracer();
+    const auto nodes = gpu_octree_.nodes.map<const Node>();
+    const auto lobes = gpu_octree_.lobes.map<const Lobe>();
+    const auto lobe_lights = lit_.map<const gpu::LobeLight>();
+    std::vector<gpu::vec4> measured(places.size());
+    measure_indirect_light(nodes, lobes, lobe_lights, gpu_octree_.grid, places, measured);
+    measure_direct_light({rays, lobes, lights_, gpu_octree_.grid}, places, measured);
+    return probe_results(measured);
 }
 
 std::vector<gpu::vec4> LightField::read_direct() const {

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "octree/octree_file.h"
 #include "octree/progress.h"
+#include "octree/ray_tracer.h"
 #include "octree/scene.h"
 #include "viewer/gpu/context.h"
 #include "viewer/gpu/objects.h"
@@ -87,7 +89,10 @@ class LightField {
     const LightSettings& settings() const { return settings_; }
 
   private:
-    void inject() const;        // what is left of it
+    void inject() const;         // what is left of it
+    bool runs_compiled() const;  // what has a twin in compiled code
+    const RayTracer& tracer() const;
+    std::vector<ProbeResult> measure_compiled(std::span<const gpu::vec4> places) const;
     void gather();              // from the radiance of the current iterate into gathered_
     void publish(bool smooth);  // what lookups read, from indirect_
 
@@ -104,6 +109,7 @@ class LightField {
     GpuLinks links_;
     std::optional<ConeGather> cones_;
     mutable std::optional<ConeGather> mirrored_;  // for show_to_cones, made when first asked for
+    mutable std::unique_ptr<RayTracer> tracer_;   // made when first asked for
     mutable std::uint32_t injected_lights_ = 0;   // whole ones
     mutable std::size_t injected_lobes_ = 0;      // of the next light
 };
