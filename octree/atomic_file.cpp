@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
@@ -12,6 +13,9 @@
 
 namespace glowworm {
 namespace {
+
+constexpr std::size_t kLongestWrite = std::size_t{1}
+                                      << 20;  // bytes between which a signal is heard
 
 [[noreturn]] void throw_write_error(const std::filesystem::path& path, int error) {
     const bool full = error == ENOSPC || error == EDQUOT || error == EFBIG;
@@ -57,7 +61,8 @@ void AtomicFile::write(const void* data, std::size_t bytes) {
 void AtomicFile::write_at(std::uint64_t offset, const void* data, std::size_t bytes) {
     const char* next = static_cast<const char*>(data);
     while (bytes > 0) {
-        const ssize_t written = ::pwrite(descriptor_, next, bytes, static_cast<off_t>(offset));
+        const ssize_t written =
+            ::pwrite(descriptor_, next, std::min(bytes, kLongestWrite), static_cast<off_t>(offset));
         if (written < 0 && errno == EINTR) continue;
         if (written <= 0) throw_write_error(final_path_, written < 0 ? errno : ENOSPC);
         next += written;

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <mutex>
 #include <system_error>
+#include <thread>
 
 namespace glowworm {
 namespace {
@@ -21,6 +22,17 @@ struct Slot {
 
 constexpr std::size_t kSlots = 4096;
 std::array<Slot, kSlots> slots;
+/// Held while slots change: what is unmapped may be anyone's memory next, so nothing is forgotten
+/// then. Not a mutex, since a signal's handler asks for it.
+std::atomic_flag changing = ATOMIC_FLAG_INIT;
+struct Changing {
+    Changing() {
+        while (changing.test_and_set())
+            std::this_thread::yield();
+    }
+    ~Changing() { changing.clear(); }
+};
+
 struct sigaction previous_action;
 std::uintptr_t page_bytes;
 
@@ -67,6 +79,7 @@ FileMapping::FileMapping(int descriptor, std::uint64_t bytes)
     : data_(::mmap(nullptr, bytes, PROT_READ, MAP_SHARED, descriptor, 0)), bytes_(bytes) {
     if (data_ == MAP_FAILED) throw std::system_error(errno, std::generic_category());
     install_handler();
+    const Changing alone;
     try {
         slot_ = take_slot(data_, bytes);
     } catch (...) {
@@ -76,6 +89,7 @@ FileMapping::FileMapping(int descriptor, std::uint64_t bytes)
 }
 
 FileMapping::~FileMapping() {
+    const Changing alone;
     slots[slot_].end.store(0);
     slots[slot_].begin.store(0);
     ::munmap(data_, bytes_);
@@ -89,6 +103,15 @@ bool FileMapping::is_intact() const {
 void FileMapping::forget_pages() const {
     // A page of zeros in place of a missing one would be forgotten as well, but it comes again.
     ::madvise(data_, bytes_, MADV_DONTNEED);
+}
+
+void forget_mapped_pages() {
+    if (changing.test_and_set()) return;
+    for (const Slot& slot : slots) {
+        const std::uintptr_t begin = slot.begin, end = slot.end;
+        if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+    }
+    changing.clear();
 }
 
 }  // namespace glowworm

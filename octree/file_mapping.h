@@ -31,4 +31,8 @@ class FileMapping {
     std::size_t slot_;
 };
 
+/// Lets the system take back the pages of all files mapped now, unless one is being mapped or
+/// unmapped. A signal's handler may call it.
+void forget_mapped_pages();
+
 }  // namespace glowworm

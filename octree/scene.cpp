@@ -1,7 +1,10 @@
 #include "octree/scene.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "octree/error.h"
@@ -157,6 +160,28 @@ void for_each_entry(const Json& root, const char* key, const char* word, const s
     }
 }
 
+/// Throws Error where `text` is no JSON, with the place: NaN and Infinity are how it often comes.
+Json parse(const std::string& text, const std::string& file) {
+    try {
+        return Json::parse(text);
+    } catch (const Json::parse_error& error) {
+        const std::size_t at = std::min(text.size(), error.byte > 0 ? error.byte - 1 : 0);
+        const auto line = 1 + std::count(text.begin(), text.begin() + std::ptrdiff_t(at), '\n');
+        const std::size_t word = text.find_last_of(" \t\n:,[{", at > 0 ? at - 1 : 0) + 1;
+        const std::string near = text.substr(word, text.find_first_of(" \t\n,]}", word) - word);
+        const bool is_number = near.ends_with("NaN") || near.ends_with("nan") ||
+                               near.ends_with("nfinity") || near.ends_with("inf");
+        throw Error(ExitCode::kUnreadable,
+                    "'" + file + "' is not a scene: line " + std::to_string(line) + " is no JSON" +
+                        (near.empty() ? "" : " at '" + near.substr(0, 40) + "'") +
+                        (is_number ? "; write finite numbers" : "; mend or export it again"));
+    } catch (const Json::out_of_range&) {
+        throw Error(ExitCode::kUnreadable, "'" + file +
+                                               "' is not a scene: it holds a number beyond 1e308; "
+                                               "write finite numbers");
+    }
+}
+
 /// An object to be written: the keys that were kept, then ours.
 struct Written {
     using Value = nlohmann::ordered_json;
@@ -184,8 +209,8 @@ Scene read_scene(const std::filesystem::path& path) {
     std::ifstream stream(path);
     if (!stream)
         throw Error(ExitCode::kUnreadable, "cannot read the scene '" + path.string() + "'");
-    const Json root = Json::parse(stream, nullptr, false);
-    if (root.is_discarded() || !root.is_object()) {
+    const Json root = parse({std::istreambuf_iterator<char>(stream), {}}, path.string());
+    if (!root.is_object()) {
         throw Error(
             ExitCode::kUnreadable,
             "'" + path.string() + "' is not a scene: a JSON object with lights and cameras");

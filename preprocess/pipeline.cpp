@@ -172,8 +172,9 @@ class Stages {
         add_area_lights(cloud, settings_.area_lights);
         const Progress building = begin_("build", "surfels");
         const Octree octree = build_octree(std::move(cloud), settings_.build, building);
+        // Not synced: where a power cut damages it, is_sound says so.
         write_octree_file(octree.view(), file,
-                          {.progress = all_done(building, octree.sample_count)});
+                          {.progress = all_done(building, octree.sample_count), .synced = false});
     }
 
     std::span<const ScanInput> inputs_;

@@ -10,10 +10,11 @@
 
 #include "octree/error.h"
 #include "octree/output_path.h"
+#include "octree/shared_progress.h"
 
 namespace glowworm {
 
-InputFile describe_input(const std::filesystem::path& path) {
+InputFile describe_input(const std::filesystem::path& path, SharedProgress* progress) {
     require_regular_input(path);
     std::ifstream stream(path, std::ios::binary);
     if (!stream) {
@@ -29,6 +30,7 @@ InputFile describe_input(const std::filesystem::path& path) {
         const auto bytes = static_cast<std::size_t>(stream.gcount());
         XXH3_128bits_update(state.get(), block.data(), bytes);
         input.bytes += bytes;
+        if (progress != nullptr) progress->add(bytes);
     }
     if (stream.bad()) {
         throw Error(ExitCode::kUnreadable,
@@ -39,10 +41,18 @@ InputFile describe_input(const std::filesystem::path& path) {
     return input;
 }
 
-std::vector<InputFile> describe_inputs(std::span<const std::filesystem::path> paths) {
+std::vector<InputFile> describe_inputs(std::span<const std::filesystem::path> paths,
+                                       const Progress& progress) {
+    std::uint64_t bytes = 0;
+    for (const std::filesystem::path& path : paths) {
+        std::error_code unknown;
+        const std::uintmax_t size = std::filesystem::file_size(path, unknown);
+        if (!unknown) bytes += size;
+    }
+    SharedProgress shared(progress, bytes, 0.0, 1.0, bytes);
     std::vector<InputFile> inputs(paths.size());
     tbb::parallel_for(std::size_t{0}, paths.size(),
-                      [&](std::size_t i) { inputs[i] = describe_input(paths[i]); });
+                      [&](std::size_t i) { inputs[i] = describe_input(paths[i], &shared); });
     return inputs;
 }
 

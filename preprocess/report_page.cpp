@@ -16,8 +16,15 @@ td, th { padding: .2em .9em .2em 0; text-align: right; border-bottom: 1px solid 
 td:first-child, th:first-child { text-align: left }
 pre { overflow-x: auto; background: #f5f5f2; padding: .8em; font-size: 12.5px; line-height: 1.35 }
 img { max-width: 100%; display: block; background: #111 }
-li.warning { color: #8a4b00 } .good { color: #1b6e2c }
+li.warning { color: #8a4b00 } .good { color: #1b6e2c } .bad { color: #a02020 }
+.verdict { font-size: 1.15em; font-weight: 600; margin: .6em 0 } .small { color: #666; margin: 0 }
 .bar { background: #5a87b8; height: .8em; display: inline-block }
+)";
+
+constexpr const char* kTrustKey = R"(<p class="small">Overlap: the share of a scan that others saw
+too. Rmse: how far it lies from their surfaces there. Loop: by how much the way round through other
+scans misses. Weak axes: what nothing in the scan holds. Through: the share that the other scan looked
+through, near 0 where a pair is right.</p>
 )";
 
 std::string escaped(const std::string& text) {
@@ -58,6 +65,19 @@ std::string table(const Rows& rows, bool has_head) {
 std::string picture(const std::string& png, const std::string& what) {
     const std::span<const std::byte> bytes = std::as_bytes(std::span(png.data(), png.size()));
     return fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", what, base64(bytes));
+}
+
+/// The sentences that a hurried reader reads.
+std::string verdict(const RunPage& page) {
+    std::string html = page.doubt.empty()
+                           ? "<p class=\"verdict good\">Every scan is placed and held.</p>\n"
+                           : fmt::format("<p class=\"verdict bad\">Look at the poses: {}.</p>\n",
+                                         escaped(page.doubt));
+    if (!page.warnings.empty()) {
+        html += fmt::format("<p class=\"verdict\"><a href=\"#warnings\">{} warning{}</a></p>\n",
+                            page.warnings.size(), page.warnings.size() == 1 ? "" : "s");
+    }
+    return html;
 }
 
 std::string warning_list(const std::vector<Warning>& warnings) {
@@ -106,8 +126,10 @@ std::string base64(std::span<const std::byte> bytes) {
 
 std::string format_page(const RunPage& page) {
     std::string html = "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n";
-    html += fmt::format("<title>{}</title>\n<style>{}</style>\n<h1>{}</h1>\n", escaped(page.title),
-                        kStyle, escaped(page.title));
+    html += fmt::format(
+        "<title>{}</title>\n<style>{}</style>\n<h1>{}</h1>\n<p class=\"small\">{}</p>\n",
+        escaped(page.title), kStyle, escaped(page.title), escaped(page.made));
+    html += verdict(page);
     html += table(page.facts, false);
     html += "<h2>First frame</h2>\n";
     html += page.frame_png.empty() ? fmt::format("<p>{}</p>\n", escaped(page.no_frame))
@@ -116,8 +138,9 @@ std::string format_page(const RunPage& page) {
         html += "<h2>From above</h2>\n<p>A colour for each scan, stations as ringed discs.</p>\n" +
                 picture(page.plan_png, "plan view of the placed scans");
     }
-    html += "<h2>Warnings</h2>\n" + warning_list(page.warnings);
+    html += "<h2 id=\"warnings\">Warnings</h2>\n" + warning_list(page.warnings);
     html += "<h2>How far each scan is trusted</h2>\n<pre>" + escaped(page.trust) + "</pre>\n";
+    html += kTrustKey;
     html += "<h2>Octree, per level</h2>\n" + table(page.levels, true);
     html += "<h2>Time of this run</h2>\n" + time_table(page.timings);
     return html;

@@ -22,6 +22,8 @@ using Rows = std::vector<std::vector<std::string>>;
 /// the first one.
 struct RunPage {
     std::string title;               ///< the octree's name
+    std::string made;                ///< by which program, when, of how many files
+    std::string doubt;               ///< why the poses are not to be trusted; empty: they are
     Rows facts;                      ///< two columns, no head
     std::vector<Warning> warnings;   ///< in full
     std::string trust;               ///< the trust table as text

@@ -2,12 +2,14 @@
 """Measures whole conversions: a line for each, beside what `--dry-run` said or beside the goal.
 
     pipeline.py prediction GLOWWORM DATA [SET...]   predicted and real depth, leaves, memory, disk and time
-    pipeline.py throughput GLOWWORM SCANS           points a second, share of time and CPU use of each stage
-    pipeline.py memory GLOWWORM DATA                the peak of each command under a fifth of its input
+    pipeline.py throughput GLOWWORM SCANS [FLAG...] points a second, share of time and CPU use of each stage
+    pipeline.py memory GLOWWORM MEGABYTES           the peak of each command under a limit of a fifth of its input
 
 DATA is the folder of real scans that the tests take from GLOWWORM_DATA; SCANS is what simulate_cave wrote.
 """
+import array
 import json
+import math
 import os
 import random
 import shutil
@@ -138,13 +140,14 @@ def prediction(program, data, *names):
                 cell(said["processor_seconds"], real.cpu, "{:.1f}"), f"{plan.cpu:.1f}"]), "|", flush=True)
 
 
-def throughput(program, scans):
+def throughput(program, scans, *flags):
     with tempfile.TemporaryDirectory() as folder:
         output = os.path.join(folder, "cave.svo")
+        convert = [program, "convert", scans, "-o", output, "--json", *flags]
         rows = []
         for stage in STAGES:
             load = os.getloadavg()[0]
-            run = Ran([program, "convert", scans, "-o", output, "--json", "--until", stage])
+            run = Ran(convert + ["--until", stage])
             if run.code != 0:
                 sys.exit(f"{stage} ended with {run.code}: {run.err.strip()[-400:]}")
             rows.append((stage, run, load))
@@ -156,53 +159,69 @@ def throughput(program, scans):
             print(f"| {stage} | {points / run.cpu:.0f} | {100 * run.cpu / total:.0f} % | {run.cpu:.1f} | {run.wall:.1f} "
                   f"| {run.cpu / run.wall / os.cpu_count():.0%} | {run.peak / 1e6:.0f} | {load:.1f} |")
         remove(output)
-        whole = Ran([program, "convert", scans, "-o", output, "--json"])
+        whole = Ran(convert)
         print(f"whole: {points} points, {whole.cpu:.1f} processor s, {whole.wall:.1f} s of wall time, CPU use "
               f"{whole.cpu / whole.wall / os.cpu_count():.0%}, {points / whole.cpu:.0f} points a processor second, "
               f"peak {whole.peak / 1e6:.0f} MB")
-        again = Ran([program, "convert", scans, "-o", output, "--json", "--resume"])
+        again = Ran(convert + ["--resume"])
         print(f"finished, --resume: {again.cpu:.2f} processor s, {again.wall:.2f} s")
 
 
-def memory(program, data):
-    """Each command on inputs of five times the limit: under it, or refused at once."""
+def rolling_ground(path, count):
+    """A PLY of about `count` points with normals and radii on ground of 3 mm noise, 28 bytes a point."""
+    rng = random.Random(2)
+    side, block = 20.0, 40000
+    tiles = max(1, round((count / block) ** 0.5))
+    x, y = ([side * rng.random() for _ in range(block)] for _ in range(2))
+    z = [0.3 * math.sin(0.6 * x[i]) + rng.gauss(0, 0.003) for i in range(block)]
+    rows = array.array("f", [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.05] * block)
+    rows[2::7] = array.array("f", z)
+    with open(path, "wb") as file:
+        file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\nproperty float y\n"
+                   b"property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+                   b"property float radius\nend_header\n" % (tiles * tiles * block))
+        for i in range(tiles):
+            rows[0::7] = array.array("f", [side * i + value for value in x])
+            for j in range(tiles):
+                rows[1::7] = array.array("f", [side * j + value for value in y])
+                file.write(rows.tobytes())
+
+
+def memory(program, megabytes):
+    """Each command on an input of five times the limit: under it, or refused at once."""
+    limit = int(megabytes) * 1000000
+    identity = "[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]"
     with tempfile.TemporaryDirectory() as folder:
         at = lambda name: os.path.join(folder, name)
-        cloud = at("cloud.ply")
-        rng = random.Random(2)
-        count = 8000000
-        with open(cloud, "wb") as file:
-            file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\nproperty float y\n"
-                       b"property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
-                       b"property float radius\nend_header\n" % count)
-            for _ in range(count // 8000):
-                block = b"".join(struct.pack("<7f", 200 * rng.random(), 200 * rng.random(), 0, 0, 0, 1, 0.04)
-                                 for _ in range(8000))
-                file.write(block)
-        size = os.path.getsize(cloud)
-        limit = max(size // 5, 120 << 20)
-        tree = at("tree.svo")
-        steps = [("build", ["build", cloud, "-o", tree])]
-        steps += [("info SVO", ["info", tree, "--json"]), ("check", ["check", tree]), ("diff", ["diff", tree, tree]),
-                  ("extract --level", ["extract", tree, "--level", "6", "-o", at("level.ply")]),
-                  ("extract --box", ["extract", tree, "--box", "0", "0", "-1", "20", "20", "1", "-o", at("box.svo")]),
-                  ("join", ["join", tree, "-o", at("joined.svo")]),
-                  ("info scan", ["info", cloud, "--json"]),
-                  ("ingest", ["ingest", cloud, "-o", at("ingest.svo")]),
-                  ("register", ["register", cloud, "-o", at("poses.json")]),
-                  ("merge", ["merge", cloud, "--poses", at("p.json"), "-o", at("merged.ply")]),
-                  ("surface", ["surface", cloud, "-o", at("surfels.ply")]),
-                  ("convert", ["convert", cloud, "-o", at("cave.svo")])]
+        cloud, tree = at("cloud.ply"), at("tree.svo")
+        rolling_ground(cloud, 5 * limit // 28)
+        os.mkdir(at("scans"))
+        for name in ("a", "b"):
+            rolling_ground(at(f"scans/{name}.ply"), 5 * limit // 56)
         with open(at("p.json"), "w") as file:
-            file.write('{"scans":[{"file":"cloud.ply","T_world_scan":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}]}')
-        print(f"input {size / 1e6:.0f} MB, limit {limit / 1e6:.0f} MB")
-        print("| command | ended with | peak, MB | of the limit | s | said |")
-        print("|---|---|---|---|---|---|")
+            file.write('{"scans":[%s]}' % ",".join('{"file":"%s.ply","T_world_scan":%s}' % (name, identity)
+                                                   for name in ("a", "b")))
+        poses = ["--poses", at("p.json")]
+        steps = [("build", ["build", cloud, "-o", tree]),
+                 ("info SVO", ["info", tree, "--json"]), ("check", ["check", tree]), ("diff", ["diff", tree, tree]),
+                 ("extract --level", ["extract", tree, "--level", "6", "-o", at("level.ply")]),
+                 ("extract --box", ["extract", tree, "--box", "0", "0", "-1", "20", "20", "1", "-o", at("box.svo")]),
+                 ("join", ["join", tree, "-o", at("joined.svo")]),
+                 ("info scan", ["info", cloud, "--json"]),
+                 ("ingest", ["ingest", cloud, "-o", at("ingest.svo")]),
+                 ("register", ["register", at("scans"), *poses, "-o", at("poses.json")]),
+                 ("merge", ["merge", at("scans"), *poses, "-o", at("merged.ply")]),
+                 ("surface", ["surface", cloud, "-o", at("surfels.ply")]),
+                 ("convert --dry-run", ["convert", at("scans"), *poses, "-o", at("cave.svo"), "--dry-run"]),
+                 ("convert --links 4", ["convert", at("scans"), *poses, "--links", "4", "-o", at("cave.svo")])]
+        print(f"input {os.path.getsize(cloud) / 1e6:.0f} MB, limit {limit / 1e6:.0f} MB")
+        print("| command | ended with | peak, MB | of the limit | processor s | wall s | said |")
+        print("|---|---|---|---|---|---|---|")
         for name, words in steps:
             run = Ran([program, *words, "--memory-limit", limit, "--temp-dir", folder])
             said = run.err.strip().split("\n")[-1][:160] if run.code else ""
-            print(f"| {name} | {run.code} | {run.peak / 1e6:.0f} | {run.peak / limit:.0%} | {run.cpu:.1f} | {said} |",
-                  flush=True)
+            print(f"| {name} | {run.code} | {run.peak / 1e6:.0f} | {run.peak / limit:.0%} | {run.cpu:.1f} "
+                  f"| {run.wall:.1f} | {said} |", flush=True)
 
 
 if __name__ == "__main__":

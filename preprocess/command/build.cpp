@@ -153,8 +153,8 @@ nlohmann::ordered_json plan_build(Run& run, const BuildCommandFlags& flags) {
     const bool spills = run.flags.memory_limit > 0 && memory > run.flags.memory_limit;
     const std::uint64_t temporary = spills ? bytes + summary.usable * sizeof(Surfel) * 5 / 4 : 0;
     const double seconds = (samples + size.leaves) * (spills ? 2e-6 : 1e-6);
-    spdlog::info("depth {}, leaves of {:.1f} cm; {} of memory, {} on disk, about {:.0f} s",
-                 grid.depth, voxel * 100.0, format_bytes(spills ? run.flags.memory_limit : memory),
+    spdlog::info("depth {}, leaves of {}; {} of memory, {} on disk, about {:.0f} s", grid.depth,
+                 format_length(voxel), format_bytes(spills ? run.flags.memory_limit : memory),
                  format_bytes(bytes + temporary), seconds);
     if (size.leaves > 4.0 * samples) {
         spdlog::warn(

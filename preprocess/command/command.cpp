@@ -92,6 +92,12 @@ std::string format_bytes(std::uint64_t bytes) {
     return fmt::format("{:.2f} GB", double(bytes) * 1e-9);
 }
 
+std::string format_length(double metres) {
+    if (metres < 0.01) return fmt::format("{:.3g} mm", metres * 1e3);
+    if (metres < 1.0) return fmt::format("{:.3g} cm", metres * 1e2);
+    return fmt::format("{:.2f} m", metres);
+}
+
 std::string format_number_of(std::uint64_t count, const std::string& one) {
     return format_count(count) + " " + one + (count == 1 ? "" : "s");
 }

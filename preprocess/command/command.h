@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "octree/octree_file.h"
 #include "octree/output_path.h"
 #include "preprocess/command/console.h"
+#include "preprocess/command/paged_memory.h"
 
 namespace glowworm {
 
@@ -35,6 +37,7 @@ struct Run {
     Console& console;
     std::vector<std::string> command_line;  ///< for the file's provenance
     std::string last_word;                  ///< said at the end; empty: "wrote" and the output
+    std::unique_ptr<PagedMemory> paged;     ///< where the work may not fit into --memory-limit
 };
 
 /// Does a subcommand's work. Returns its result object, printed where --json was given.
@@ -75,6 +78,9 @@ void require_sound(const OctreeFile& file, const std::filesystem::path& path,
 
 /// "12.3 MB" for people.
 std::string format_bytes(std::uint64_t bytes);
+
+/// "12.3 cm" for people, whatever the size in metres.
+std::string format_length(double metres);
 
 /// "1 scan", "2 scans": `one` with its number, an s after it where there are more or none.
 std::string format_number_of(std::uint64_t count, const std::string& one);

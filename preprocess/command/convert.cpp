@@ -128,6 +128,23 @@ void write_output(const WorkFolder& work, const Poses& poses, std::uint32_t link
     run.console.end_phase();
 }
 
+/// The page of the run. Where the user stops it, the octree is there all the same.
+void write_page(Run& run, const ConvertFlags& flags, const Conversion& done,
+                std::span<const ScanInput> inputs, const WorkFolder& work,
+                const TimedPhases& phases) {
+    try {
+        write_run_page(flags.report, run.flags.output, done, inputs, flags.settings, work,
+                       phases.times(), run.console);
+    } catch (const Error& error) {
+        if (error.code() != ExitCode::kCancelled) throw;
+        throw Error(ExitCode::kCancelled,
+                    fmt::format("cancelled: '{}' is written and whole, its page '{}' is not; "
+                                "--resume makes it",
+                                run.flags.output.string(), flags.report.string()));
+    }
+    spdlog::info("what there is to see at a glance is in {}", flags.report.string());
+}
+
 Json work_on(Run& run, const ConvertFlags& flags, std::span<const ScanInput> inputs,
              const WorkFolder& work) {
     const fs::path& output = run.flags.output;
@@ -162,9 +179,7 @@ Json work_on(Run& run, const ConvertFlags& flags, std::span<const ScanInput> inp
     say_octree(OctreeFile::open(octree_part(work)).view());
     write_output(work, done.registration.poses, flags.settings.links, run, phases);
     if (!flags.report.empty()) {
-        write_run_page(flags.report, output, done, inputs, flags.settings, work, phases.times(),
-                       run.console);
-        spdlog::info("what there is to see at a glance is in {}", flags.report.string());
+        write_page(run, flags, done, inputs, work, phases);
     }
     spdlog::info("the poses and how far to trust them are in {}", poses.string());
     return to_json(done, output);
@@ -205,7 +220,8 @@ Json run_convert(Run& run, ConvertFlags flags) {
     if (may_be_done && !lacks_page && remembers(output, Record::kState, state))
         return nothing_to_do(run);
     require_budget(run, files, flags.settings, Reach::kAll);
-    const std::vector<ScanInput> inputs = describe_scans(files);
+    const std::vector<ScanInput> inputs = describe_scans(files, run.console.phase("look", "bytes"));
+    run.console.end_phase();
     flags.apply_provenance(inputs);
 
     // 2. Alone from here on.

@@ -38,8 +38,9 @@ Stage ConvertFlags::last_stage() const {
     return Stage::kBuild;
 }
 
-std::vector<ScanInput> describe_scans(std::span<const std::filesystem::path> files) {
-    std::vector<InputFile> contents = describe_inputs(files);
+std::vector<ScanInput> describe_scans(std::span<const std::filesystem::path> files,
+                                      const Progress& progress) {
+    std::vector<InputFile> contents = describe_inputs(files, progress);
     std::vector<ScanInput> inputs;
     for (std::size_t i = 0; i < files.size(); ++i)
         inputs.push_back({files[i], std::move(contents[i])});

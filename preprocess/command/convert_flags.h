@@ -32,6 +32,7 @@ struct ConvertFlags {
 };
 
 /// The files with their content's hash.
-std::vector<ScanInput> describe_scans(std::span<const std::filesystem::path> files);
+std::vector<ScanInput> describe_scans(std::span<const std::filesystem::path> files,
+                                      const Progress& progress);
 
 }  // namespace glowworm

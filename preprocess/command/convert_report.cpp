@@ -1,7 +1,10 @@
 #include "preprocess/command/convert_report.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <ctime>
 #include <fstream>
 #include <iterator>
 
@@ -49,6 +52,13 @@ Rows level_rows(const OctreeStatistics& s) {
     return rows;
 }
 
+/// "1 234, 0.3 %" of the surfels.
+std::string share_of(std::size_t count, const Conversion& done) {
+    const auto all = static_cast<double>(std::max<std::size_t>(done.surface.surfels, 1));
+    return fmt::format("{}, {:.1f} %", format_count(count),
+                       100.0 * static_cast<double>(count) / all);
+}
+
 Rows fact_rows(const Conversion& done, const OctreeStatistics& s) {
     const Vec3d size = vec3_cast<double>(s.bounds_max - s.bounds_min);
     const std::size_t scans = done.registration.poses.scans.size();
@@ -60,9 +70,26 @@ Rows fact_rows(const Conversion& done, const OctreeStatistics& s) {
         {"surfels", format_count(s.samples)},
         {"extent", fmt::format("{:.1f} × {:.1f} × {:.1f} m", size.x, size.y, size.z)},
         {"surface", fmt::format("{:.1f} m²", s.total_area)},
-        {"leaves", fmt::format("{} of {:.2f} cm, depth {}", format_count(s.leaves),
-                               100.0 * s.grid.voxel_size(), s.grid.depth)},
-        {"file", format_bytes(s.bytes)}};
+        {"leaves", fmt::format("{} of {}, depth {}", format_count(s.leaves),
+                               format_length(s.grid.voxel_size()), s.grid.depth)},
+        {"file", format_bytes(s.bytes)},
+        {"point spacing, range noise",
+         fmt::format("{}, {}", format_length(done.surface.median_spacing),
+                     format_length(done.surface.range_noise))},
+        {"normals turned by", describe(done.surface.orientation)},
+        {"normals whose side nothing decided", share_of(done.surface.unsure_side, done)},
+        {"normals that may be off by 11° and more", share_of(done.surface.weak, done)},
+        {"albedo from", describe(done.surface.albedo)}};
+}
+
+/// "glowworm 0.1.0, 2026-11-22 23:52 UTC, of 6 files, 9.6 MB"
+std::string say_made(std::span<const ScanInput> inputs) {
+    std::uint64_t bytes = 0;
+    for (const ScanInput& input : inputs)
+        bytes += input.content.bytes;
+    return fmt::format("glowworm {}, {:%Y-%m-%d %H:%M} UTC, of {}, {}", GLOWWORM_VERSION,
+                       fmt::gmtime(std::time(nullptr)), format_number_of(inputs.size(), "file"),
+                       format_bytes(bytes));
 }
 
 }  // namespace
@@ -74,6 +101,8 @@ void write_run_page(const fs::path& page, const fs::path& octree, const Conversi
     const OctreeStatistics statistics = measure_octree(file.view(), file.bytes());
     RunPage content;
     content.title = octree.filename().string();
+    content.made = say_made(inputs);
+    content.doubt = distrust(done.registration);
     content.facts = fact_rows(done, statistics);
     content.warnings = done.warnings;
     content.trust = trust_table(done.registration);

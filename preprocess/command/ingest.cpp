@@ -15,26 +15,26 @@ namespace glowworm {
 namespace {
 
 /// Refuses what cannot fit: as many of the largest files as are read at a time.
-void require_budget_for_files(const SharedFlags& flags,
-                              std::span<const std::filesystem::path> files,
+void require_budget_for_files(Run& run, std::span<const std::filesystem::path> files,
                               const ReadSettings& read) {
     std::vector<std::uint64_t> points;
     for (const std::filesystem::path& file : files)
         points.push_back(announced_work(std::span(&file, 1), read).points);
     std::ranges::sort(points, std::greater());
-    points.resize(std::min(points.size(), static_cast<std::size_t>(thread_count(flags))));
+    points.resize(std::min(points.size(), static_cast<std::size_t>(thread_count(run.flags))));
     Workload work;
     work.points = std::accumulate(points.begin(), points.end(), std::uint64_t{0});
     work.error = kPilotError;
-    require_budget(flags, predict(work), Reach::kRegister);
+    require_budget(run, predict(work), Reach::kRegister);
 }
 
 /// The first stage of `convert`, for some of its scans.
 nlohmann::ordered_json run_ingest(Run& run, ConvertFlags flags) {
     const auto files = find_scan_files(flags.inputs);
     require_distinct(run.flags.output, files);
-    require_budget_for_files(run.flags, files, flags.settings.read);
-    const std::vector<ScanInput> inputs = describe_scans(files);
+    require_budget_for_files(run, files, flags.settings.read);
+    const std::vector<ScanInput> inputs = describe_scans(files, run.console.phase("look", "bytes"));
+    run.console.end_phase();
     const WorkFolder work(run.flags.output, run.flags.temp_dir, WorkFolder::Hold::kShared);
 
     std::vector<std::string> keys;

@@ -26,7 +26,8 @@ Job prepare(Run& run, ConvertFlags flags) {
     const auto files = find_scan_files(flags.inputs);
     require_distinct(run.flags.output, files);
     flags.apply();
-    std::vector<ScanInput> inputs = describe_scans(files);
+    std::vector<ScanInput> inputs = describe_scans(files, run.console.phase("look", "bytes"));
+    run.console.end_phase();
     flags.apply_provenance(inputs);
     return {std::move(flags), std::move(inputs)};
 }

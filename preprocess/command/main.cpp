@@ -95,7 +95,7 @@ int run(int argc, char** argv) {
 
     Console console(
         progress_mode(flags.quiet && flags.progress == "auto" ? "none" : flags.progress));
-    Run context{flags, console, {argv, argv + argc}, {}};
+    Run context{flags, console, {argv, argv + argc}, {}, {}};
     const nlohmann::ordered_json result = selected(context);
     console.end_phase();
     if (flags.json) fmt::print("{}\n", result.dump(2));

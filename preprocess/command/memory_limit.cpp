@@ -29,6 +29,22 @@ double unit_bytes(std::string unit) {
     return rest == "ib" || rest == "i" ? std::pow(1024.0, double(power) + 1.0) : 0.0;
 }
 
+/// What the limit leaves to data.
+std::uint64_t usable(std::uint64_t bytes) {
+    return std::max(bytes - std::min(bytes, kProgramPages), kLeastData);
+}
+
+void limit_data(std::uint64_t bytes, int threads) {
+    struct rlimit limit = {};
+    const bool known = ::getrlimit(RLIMIT_DATA, &limit) == 0;
+    const std::uint64_t stacks = kStack * static_cast<std::uint64_t>(std::max(threads, 1));
+    limit.rlim_cur = std::min<rlim_t>(bytes + stacks, limit.rlim_max);
+    if (known && ::setrlimit(RLIMIT_DATA, &limit) == 0) return;
+    throw Error(ExitCode::kBudget,
+                "the system does not hold programs to a limit of memory; leave "
+                "--memory-limit out");
+}
+
 }  // namespace
 
 std::uint64_t parse_size(const std::string& text) {
@@ -47,16 +63,12 @@ std::uint64_t parse_size(const std::string& text) {
 }
 
 void limit_memory(std::uint64_t bytes, int threads) {
-    if (bytes == 0) return;
-    const std::uint64_t usable = std::max(bytes - std::min(bytes, kProgramPages), kLeastData) +
-                                 kStack * static_cast<std::uint64_t>(std::max(threads, 1));
-    struct rlimit limit = {};
-    const bool known = ::getrlimit(RLIMIT_DATA, &limit) == 0;
-    limit.rlim_cur = std::min<rlim_t>(usable, limit.rlim_max);
-    if (known && ::setrlimit(RLIMIT_DATA, &limit) == 0) return;
-    throw Error(ExitCode::kBudget,
-                "the system does not hold programs to a limit of memory; leave "
-                "--memory-limit out");
+    if (bytes > 0) limit_data(usable(bytes), threads);
+}
+
+void limit_memory_beside_pages(std::uint64_t bytes, int threads) {
+    constexpr int kWatch = 1;  // the thread that gives pages back
+    limit_data(usable(bytes) * 3 / 4, threads + kWatch);
 }
 
 }  // namespace glowworm

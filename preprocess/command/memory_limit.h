@@ -15,4 +15,8 @@ std::uint64_t parse_size(const std::string& text);
 /// itself and for the stacks of `threads` threads. 0 bytes: nothing is asked.
 void limit_memory(std::uint64_t bytes, int threads);
 
+/// The same where large blocks are paged (paged_memory.h): a quarter of the limit is left to their
+/// pages, which the system does not count.
+void limit_memory_beside_pages(std::uint64_t bytes, int threads);
+
 }  // namespace glowworm

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "octree/error.h"
+#include "preprocess/command/memory_limit.h"
 #include "preprocess/command/stage_flags.h"
 #include "preprocess/read/preflight.h"
 
@@ -61,13 +62,30 @@ bool same_disk(const fs::path& a, const fs::path& b) {
            first.st_dev == second.st_dev;
 }
 
+/// Whether it may take more than --memory-limit, even if the prediction is too low by its error.
+bool may_exceed(const SharedFlags& flags, const Prediction& p, const Needs& needs) {
+    return flags.memory_limit > 0 &&
+           double(needs.memory) > double(flags.memory_limit) * (1.0 - p.work.error);
+}
+
+/// Bytes of memory that lie in files where it takes more than --memory-limit.
+std::uint64_t paged(const SharedFlags& flags, const Needs& needs) {
+    return flags.memory_limit > 0 && needs.memory > flags.memory_limit ? needs.memory : 0;
+}
+
+/// The folder of what is not the result.
+fs::path work_place(const SharedFlags& flags) {
+    return flags.temp_dir.empty() ? folder_of(flags.output) : flags.temp_dir;
+}
+
 /// The folders that are written to, and how many bytes into each.
 std::vector<std::pair<fs::path, std::uint64_t>> writes(const SharedFlags& flags,
                                                        const Needs& needs) {
     const fs::path output = folder_of(flags.output);
-    const fs::path work = flags.temp_dir.empty() ? output : flags.temp_dir;
-    if (same_disk(output, work)) return {{output, needs.output + needs.work}};
-    return {{output, needs.output}, {work, needs.work}};
+    const fs::path work = work_place(flags);
+    const std::uint64_t working = needs.work + paged(flags, needs);
+    if (same_disk(output, work)) return {{output, needs.output + working}};
+    return {{output, needs.output}, {work, working}};
 }
 
 std::uint64_t space_left(const fs::path& folder) {
@@ -76,16 +94,35 @@ std::uint64_t space_left(const fs::path& folder) {
     return failed ? UINT64_MAX : space.available;
 }
 
-/// Whether it fits even if it takes as much more as the prediction may be wrong.
+/// Whether the disk surely has room, even if it takes as much more as the prediction may be wrong.
 bool surely_fits(const SharedFlags& flags, const Prediction& p, const Needs& needs) {
-    const auto at_most = [&](std::uint64_t bytes) { return double(bytes) / (1.0 - p.work.error); };
-    if (flags.memory_limit > 0 && at_most(needs.memory) > double(flags.memory_limit)) return false;
     return std::ranges::all_of(writes(flags, needs), [&](const auto& write) {
-        return at_most(write.second) <= double(space_left(write.first));
+        return double(write.second) <= double(space_left(write.first)) * (1.0 - p.work.error);
     });
 }
 
-void print_plan(const Pilot& pilot, const Needs& needs, int threads, Reach reach) {
+/// Throws as require_budget.
+void require_room(const SharedFlags& flags, const Prediction& prediction, Reach reach) {
+    const Needs needs = needs_of(prediction, reach);
+    if (flags.memory_limit > 0 && flags.memory_limit < prediction.least_memory) {
+        throw Error(ExitCode::kBudget,
+                    fmt::format("about {} of memory are needed, of which {} cannot lie on disk, "
+                                "but --memory-limit is {}; give more or use fewer scans",
+                                format_bytes(needs.memory), format_bytes(prediction.least_memory),
+                                format_bytes(flags.memory_limit)));
+    }
+    for (const auto& [folder, bytes] : writes(flags, needs)) {
+        const std::uint64_t space = space_left(folder);
+        if (at_least(bytes, prediction) <= space) continue;
+        throw Error(ExitCode::kBudget,
+                    fmt::format("'{}' has {} left but about {} are needed; free some or choose "
+                                "another place with -o or --temp-dir",
+                                folder.string(), format_bytes(space), format_bytes(bytes)));
+    }
+}
+
+void print_plan(const Pilot& pilot, const Needs& needs, std::uint64_t on_disk, int threads,
+                Reach reach) {
     fmt::print("{} of {}\n", format_number_of(pilot.points, "point"),
                format_number_of(pilot.facts.size(), "scan"));
     if (pilot.placed < pilot.facts.size() && reach != Reach::kSurface) {
@@ -93,8 +130,8 @@ void print_plan(const Pilot& pilot, const Needs& needs, int threads, Reach reach
                    pilot.placed);
     }
     if (reach == Reach::kAll) {
-        fmt::print("depth   {}, voxels of {:.2f} cm, about {} leaves\n", pilot.grid.depth,
-                   100.0 * pilot.grid.voxel_size(),
+        fmt::print("depth   {}, voxels of {}, about {} leaves\n", pilot.grid.depth,
+                   format_length(pilot.grid.voxel_size()),
                    format_count(static_cast<std::uint64_t>(pilot.octree.leaves)));
     }
     if (reach == Reach::kAll && pilot.least_depth != pilot.most_depth) {
@@ -104,6 +141,7 @@ void print_plan(const Pilot& pilot, const Needs& needs, int threads, Reach reach
             pilot.least_depth, pilot.most_depth);
     }
     fmt::print("memory  {}\n", format_bytes(needs.memory));
+    if (on_disk > 0) fmt::print("        more than --memory-limit: it will lie in files\n");
     fmt::print("disk    {} for the output, {} while it works\n", format_bytes(needs.output),
                format_bytes(needs.work));
     fmt::print("time    {:.0f} s on {}, {:.0f} s of processor time\n",
@@ -123,23 +161,14 @@ int thread_count(const SharedFlags& flags) {
     return flags.threads > 0 ? flags.threads : tbb::info::default_concurrency();
 }
 
-void require_budget(const SharedFlags& flags, const Prediction& prediction, Reach reach) {
+void require_budget(Run& run, const Prediction& prediction, Reach reach) {
+    require_room(run.flags, prediction, reach);
     const Needs needs = needs_of(prediction, reach);
-    if (flags.memory_limit > 0 && at_least(needs.memory, prediction) > flags.memory_limit) {
-        throw Error(
-            ExitCode::kBudget,
-            fmt::format("about {} of memory are needed but --memory-limit is {}; give more, "
-                        "use fewer scans or larger voxels",
-                        format_bytes(needs.memory), format_bytes(flags.memory_limit)));
-    }
-    for (const auto& [folder, bytes] : writes(flags, needs)) {
-        const std::uint64_t space = space_left(folder);
-        if (at_least(bytes, prediction) <= space) continue;
-        throw Error(ExitCode::kBudget,
-                    fmt::format("'{}' has {} left but about {} are needed; free some or choose "
-                                "another place with -o or --temp-dir",
-                                folder.string(), format_bytes(space), format_bytes(bytes)));
-    }
+    if (!may_exceed(run.flags, prediction, needs) || run.paged) return;
+    spdlog::info("about {} of memory are needed: what exceeds --memory-limit lies in files in '{}'",
+                 format_bytes(needs.memory), work_place(run.flags).string());
+    run.paged = std::make_unique<PagedMemory>(work_place(run.flags), run.flags.memory_limit);
+    limit_memory_beside_pages(run.flags.memory_limit, thread_count(run.flags));
 }
 
 void require_budget(Run& run, const std::vector<fs::path>& files, const ConvertSettings& settings,
@@ -152,11 +181,11 @@ void require_budget(Run& run, const std::vector<fs::path>& files, const ConvertS
         announced.error = kPilotError;
     }
     const Prediction guess = predict(announced);
-    require_budget(run.flags, guess, reach);
+    require_budget(run, guess, reach);
     if (reach == Reach::kSurface || surely_fits(run.flags, guess, needs_of(guess, reach))) return;
     const Pilot pilot = run_pilot(files, settings, run.console.phase("look", "files"));
     run.console.end_phase();
-    require_budget(run.flags, predict(piloted_work(pilot, settings.links)), reach);
+    require_budget(run, predict(piloted_work(pilot, settings.links)), reach);
 }
 
 Json plan_work(Run& run, const std::vector<fs::path>& files, const ConvertSettings& settings,
@@ -171,8 +200,8 @@ Json plan_work(Run& run, const std::vector<fs::path>& files, const ConvertSettin
     const Prediction p = predict(piloted_work(pilot, settings.links));
     const Needs needs = needs_of(p, reach);
     const int threads = thread_count(run.flags);
-    if (!run.flags.json) print_plan(pilot, needs, threads, reach);
-    require_budget(run.flags, p, reach);
+    if (!run.flags.json) print_plan(pilot, needs, paged(run.flags, needs), threads, reach);
+    require_room(run.flags, p, reach);
     run.last_word = "nothing was written";
     Json result = {{"dry_run", true}, {"scans", pilot.facts.size()}, {"points", pilot.points}};
     if (reach == Reach::kAll) {
@@ -188,6 +217,7 @@ Json plan_work(Run& run, const std::vector<fs::path>& files, const ConvertSettin
     result.update({{"memory", needs.memory},
                    {"disk", needs.output},
                    {"work_disk", needs.work},
+                   {"paged_memory", paged(run.flags, needs)},
                    {"seconds", wall_time(needs.processor_time, threads)},
                    {"processor_seconds", needs.processor_time},
                    {"warnings", warnings_json(warnings)}});

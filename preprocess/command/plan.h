@@ -12,10 +12,11 @@ namespace glowworm {
 /// How far a command goes: what of a Prediction concerns it.
 enum class Reach { kRegister, kMerge, kSurface, kAll };
 
-/// Refuses at once what cannot fit: throws Error (kBudget), with the size that is needed, where the
-/// peak memory of `reach` is above --memory-limit, or the folders of output and temporary files
-/// have too little space, even if the prediction is too high by its own error.
-void require_budget(const SharedFlags& flags, const Prediction& prediction, Reach reach);
+/// Refuses at once what cannot fit: throws Error (kBudget), with the size that is needed, where
+/// --memory-limit leaves no room to work in, or the folders of output and temporary files have too
+/// little space, even if the prediction is too high by its own error. From here on work that may
+/// take more than --memory-limit keeps its large blocks in files (paged_memory.h).
+void require_budget(Run& run, const Prediction& prediction, Reach reach);
 
 /// The same for scans: by their headers, and where these leave it open by a pilot.
 void require_budget(Run& run, const std::vector<std::filesystem::path>& files,

@@ -224,9 +224,10 @@ void say_surface(const SurfaceReport& report) {
 }
 
 void say_octree(const OctreeView& octree) {
-    spdlog::info("depth {}: {} leaves of {:.1f} cm, {} nodes, {} lobes", octree.grid.depth,
-                 format_count(octree.levels.back().node_count), octree.grid.voxel_size() * 100.0f,
-                 format_count(octree.nodes.size()), format_count(octree.lobes.size()));
+    spdlog::info("depth {}: {} leaves of {}, {} nodes, {} lobes", octree.grid.depth,
+                 format_count(octree.levels.back().node_count),
+                 format_length(octree.grid.voxel_size()), format_count(octree.nodes.size()),
+                 format_count(octree.lobes.size()));
 }
 
 void say_trust(const Registration& registration) {

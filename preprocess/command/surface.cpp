@@ -32,8 +32,8 @@ nlohmann::ordered_json run_surface(Run& run, const SurfaceFlags& flags) {
     ConvertSettings settings;
     settings.read = flags.read;
     require_budget(run, {flags.input}, settings, Reach::kSurface);
-    run.console.phase("read", "points");
-    const PointCloud cloud = read_cloud(flags.input, flags.read);
+    const PointCloud cloud =
+        read_cloud(flags.input, flags.read, nullptr, run.console.phase("read", "points"));
     SurfaceReport report;
     std::vector<float> normal_errors;
     const SurfelCloud surfels = make_surfels(

@@ -7,7 +7,8 @@ namespace {
 
 constexpr std::string_view kMagic = "glowworm checkpoint 1\n";
 constexpr std::size_t kHashDigits = 32;
-constexpr std::size_t kMostWaiting = 65536;  // bytes
+constexpr std::size_t kLongestRead = std::size_t{1} << 20;  // bytes between which a signal is heard
+constexpr std::size_t kMostWaiting = 65536;                 // bytes
 
 }  // namespace
 
@@ -41,7 +42,8 @@ void ArchiveWriter::operator()(const std::string& text) {
 void ArchiveWriter::commit() {
     flush();
     file_.write(hash_.hex());
-    file_.commit();
+    // Not synced: what a power cut left of it has another hash and is as good as none.
+    file_.commit(false);
 }
 
 ArchiveReader::ArchiveReader(const std::filesystem::path& path, const std::string& key)
@@ -80,9 +82,14 @@ bool ArchiveReader::is_whole() {
 void ArchiveReader::take(void* data, std::size_t bytes) {
     if (bytes > left_) good_ = false;
     if (!good_ || bytes == 0) return;
-    stream_.read(static_cast<char*>(data), static_cast<std::streamsize>(bytes));
-    if (!stream_) good_ = false;
     left_ -= bytes;
+    for (char* next = static_cast<char*>(data); bytes > 0 && stream_;) {
+        const std::size_t some = std::min(bytes, kLongestRead);
+        stream_.read(next, static_cast<std::streamsize>(some));
+        next += some;
+        bytes -= some;
+    }
+    if (!stream_) good_ = false;
 }
 
 void ArchiveReader::operator()(std::string& text) {

@@ -22,6 +22,31 @@ constexpr double kMargin = 8.0;                   // round a cell, in spacings o
 constexpr double kSpacingError = 0.05;            // of the median surfel's radius
 constexpr std::uint32_t kPilotRays = 8;
 
+/// Shows how far the look has come, and lets the stages after it hear whether to stop.
+class Listening {
+  public:
+    explicit Listening(const Progress& progress) : progress_(progress) {}
+
+    /// Of the look.
+    Progress shown() {
+        if (!progress_) return {};
+        return [this](std::uint64_t done, std::uint64_t total) {
+            done_ = done;
+            total_ = total;
+            progress_(done, total);
+        };
+    }
+    /// Of a stage: shows nothing new.
+    Progress heard() const {
+        if (!progress_) return {};
+        return [this](std::uint64_t, std::uint64_t) { progress_(done_, total_); };
+    }
+
+  private:
+    const Progress& progress_;
+    std::uint64_t done_ = 0, total_ = 0;
+};
+
 /// Bounds of all scans, and the spacing that says how deep the octree becomes.
 CloudSummary summary_of(const PlaceBounds& box, double times_longer, const Vec3d& origin,
                         double radius) {
@@ -62,7 +87,8 @@ double bytes_of(const Points& points) {
 /// The surfels of the chosen cells and of a margin round them, relative to the grid's origin. What
 /// one of them takes is kept in `pilot`.
 SurfelCloud make_pilot_surfels(std::span<const Scan> picked, const Poses& poses,
-                               const ConvertSettings& settings, const Vec3d& origin, Pilot& pilot) {
+                               const ConvertSettings& settings, const Vec3d& origin,
+                               const Progress& progress, Pilot& pilot) {
     std::vector<Scan> scans;
     for (const Scan& scan : picked) {
         scans.push_back(scan);
@@ -70,9 +96,9 @@ SurfelCloud make_pilot_surfels(std::span<const Scan> picked, const Poses& poses,
     }
     MergeSettings merge = settings.merge;
     merge.remove_moving = false;
-    const PointCloud cloud = merge_scans(scans, poses, merge);
+    const PointCloud cloud = merge_scans(scans, poses, merge, progress);
     const double start = processor_time();
-    SurfelCloud surfels = make_surfels(cloud, settings.surface);
+    SurfelCloud surfels = make_surfels(cloud, settings.surface, nullptr, progress);
     pilot.surface_time = (processor_time() - start) /
                          static_cast<double>(std::max<std::size_t>(cloud.points.size(), 1));
     const Vec3f shift = vec3_cast<float>(surfels.origin - origin);
@@ -95,7 +121,7 @@ double median_radius_inside(const SurfelCloud& cloud, const CellSample& cells) {
 
 /// What a link takes, traced in an octree of the whole made of few of its points.
 double time_links(std::span<const LookedScan> scans, const Poses& poses,
-                  const ConvertSettings& settings) {
+                  const ConvertSettings& settings, const Progress& progress) {
     std::vector<Scan> samples;
     std::size_t points = 0;
     for (const LookedScan& scan : scans)
@@ -111,10 +137,11 @@ double time_links(std::span<const LookedScan> scans, const Poses& poses,
     }
     MergeSettings merge;
     merge.remove_moving = merge.thin_overlaps = false;
-    const SurfelCloud cloud = make_surfels(merge_scans(samples, poses, merge), settings.surface);
-    const Octree octree = build_octree(cloud);
+    const SurfelCloud cloud = make_surfels(merge_scans(samples, poses, merge, progress),
+                                           settings.surface, nullptr, progress);
+    const Octree octree = build_octree(cloud, {}, progress);
     const double start = processor_time();
-    const auto links = trace_links(octree.view(), {.rays = kPilotRays});
+    const auto links = trace_links(octree.view(), {.rays = kPilotRays}, progress);
     return (processor_time() - start) / static_cast<double>(std::max<std::size_t>(links.size(), 1));
 }
 
@@ -135,7 +162,10 @@ Pilot look_only(std::span<const std::filesystem::path> files, const ReadSettings
 }
 
 Pilot run_pilot(std::span<const std::filesystem::path> files, const ConvertSettings& settings,
-                const Progress& progress) {
+                const Progress& progress_out) {
+    Listening listening(progress_out);
+    const Progress progress = listening.shown(), heard = listening.heard();
+
     // 1. A look at all points.
     Pilot pilot;
     std::vector<LookedScan> scans = look_at(files, settings.read, progress);
@@ -149,7 +179,7 @@ Pilot run_pilot(std::span<const std::filesystem::path> files, const ConvertSetti
     if (scans.empty()) return finish();
 
     // 2. Where the scans lie, and how far all of them will reach.
-    const Poses poses = find_poses(scans, settings.registration, pilot);
+    const Poses poses = find_poses(scans, settings.registration, heard, pilot);
     const std::vector<std::vector<WeightedPlace>> places = places_of(scans, poses);
     pilot.placed = places.size();
     if (places.empty()) {
@@ -192,7 +222,7 @@ Pilot run_pilot(std::span<const std::filesystem::path> files, const ConvertSetti
     const std::vector<Scan> picked = pick_points(files, settings.read, scans, wanted, progress);
     for (const Scan& scan : picked)
         pilot.bytes_a_point = std::max(pilot.bytes_a_point, bytes_of(scan.points));
-    const SurfelCloud surfels = make_pilot_surfels(picked, poses, settings, origin, pilot);
+    const SurfelCloud surfels = make_pilot_surfels(picked, poses, settings, origin, heard, pilot);
     // Where these cells are all, their surfels are those of the conversion, strays gone.
     const bool is_whole = cells.level() == 0 && places.size() == scans.size();
     const CloudSummary summary =
@@ -222,7 +252,7 @@ Pilot run_pilot(std::span<const std::filesystem::path> files, const ConvertSetti
     for (const WeightedPlace& place : together)
         points_placed += place.points;
     pilot.octree.surfels = surfels_placed * static_cast<double>(pilot.points) / points_placed;
-    if (settings.links > 0) pilot.link_time = time_links(scans, poses, settings);
+    if (settings.links > 0) pilot.link_time = time_links(scans, poses, settings, heard);
     return finish();
 }
 

@@ -38,7 +38,7 @@ Vec3d transformed(const Eigen::Isometry3d& T, const Vec3d& p) {
 }
 
 Poses find_poses(std::span<const LookedScan> scans, const RegistrationSettings& settings,
-                 Pilot& pilot) {
+                 const Progress& progress, Pilot& pilot) {
     const std::size_t all = scans.size();
     pilot.pairs = expected_pairs(all);
     if (const std::optional<Poses> given = given_poses(scans, settings)) return *given;
@@ -46,7 +46,7 @@ Poses find_poses(std::span<const LookedScan> scans, const RegistrationSettings& 
     for (const LookedScan& scan : scans.first(std::min(all, kMostPiloted)))
         samples.push_back(scan.sample);
     const double start = processor_time();
-    const Registration found = align_scans(samples, settings);
+    const Registration found = align_scans(samples, settings, progress);
     const std::size_t tried = std::max<std::size_t>(found.pairs_tried, 1);
     pilot.pairs = tried * all / samples.size();
     pilot.pair_time = (processor_time() - start) / static_cast<double>(tried);

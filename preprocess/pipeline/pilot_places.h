@@ -20,7 +20,7 @@ Vec3d transformed(const Eigen::Isometry3d& T, const Vec3d& p);
 /// Where the scans lie: as it is given, else found by registering samples of them, of the first
 /// kMostPiloted at least. Says in `pilot` how many pairs registration will try, and what one took.
 Poses find_poses(std::span<const LookedScan> scans, const RegistrationSettings& settings,
-                 Pilot& pilot);
+                 const Progress& progress, Pilot& pilot);
 
 /// The samples of the placed scans in the world, relative to the poses' origin.
 std::vector<std::vector<WeightedPlace>> places_of(std::span<const LookedScan> scans,

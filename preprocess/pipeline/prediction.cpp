@@ -9,8 +9,9 @@ namespace glowworm {
 namespace {
 
 // Bytes.
-constexpr double kProgram = 46e6;    // libraries, tables
-constexpr double kReadPoint = 75.0;  // a point of any scan until they are merged
+constexpr double kProgram = 46e6;     // libraries, tables
+constexpr double kSmallBlocks = 4e6;  // to be measured
+constexpr double kReadPoint = 75.0;   // a point of any scan until they are merged
 constexpr double kSurfacePoint = 200.0;
 constexpr double kBuildSurfel = 100.0;
 constexpr double kBuildLeaf = 300.0;
@@ -83,6 +84,7 @@ Prediction predict(const Workload& work) {
     p.build_memory =
         bytes(kProgram + std::max(kBuildSurfel * size.surfels + kBuildLeaf * size.leaves,
                                   size.bytes(work.links)));
+    p.least_memory = bytes(kProgram + kSmallBlocks);
     p.output_bytes = bytes(size.bytes(work.links));
     p.work_bytes = bytes(work.bytes_a_point * points + kKeptSurfel * size.surfels + size.bytes(0));
 

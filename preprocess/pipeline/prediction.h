@@ -32,6 +32,7 @@ struct Prediction {
     std::uint64_t read_memory = 0;     ///< bytes at the peak of reading, registering and merging
     std::uint64_t surface_memory = 0;  ///< of estimating normals
     std::uint64_t build_memory = 0;    ///< of building and linking
+    std::uint64_t least_memory = 0;    ///< of the same, what cannot lie on disk
     std::uint64_t output_bytes = 0;    ///< the octree file
     std::uint64_t work_bytes = 0;      ///< what the stages keep until it is there
     double read_time = 0.0, register_time = 0.0, merge_time = 0.0, surface_time = 0.0,

@@ -33,7 +33,7 @@ void transform(const Eigen::Isometry3d& T_world_scan, PointBlock& block) {
 /// Appends the points of one scan in the world, `cloud.origin` taken out. The first points of the
 /// cloud choose the origin.
 Points read_world_points(ScanFile& file, const ScanHeader& header, PointCloud& cloud, bool& chosen,
-                         ScanCounts& counts) {
+                         ScanCounts& counts, const Progress& progress) {
     Points points;
     PointBlock block;
     while (file.next_block(block)) {
@@ -46,6 +46,8 @@ Points read_world_points(ScanFile& file, const ScanHeader& header, PointCloud& c
         if (header.T_world_scan) transform(*header.T_world_scan, block);
         if (!std::exchange(chosen, true)) cloud.origin = header.origin + choose_offset(block);
         append_block(block, cloud.origin - header.origin, points);
+        const std::uint64_t read = cloud.points.size() + points.size();
+        if (progress) progress(read, std::max(read, header.declared_points));
     }
     counts.kept = points.size();
     return points;
@@ -70,7 +72,7 @@ void check_stations(PointCloud& cloud, const std::filesystem::path& path) {
 }  // namespace
 
 PointCloud read_cloud(const std::filesystem::path& path, const ReadSettings& settings,
-                      ReadReport* report) {
+                      ReadReport* report, const Progress& progress) {
     const std::unique_ptr<ScanFile> file = open_scan_file(path, settings);
     ReadReport local;
     ReadReport& said = report != nullptr ? *report : local;
@@ -84,7 +86,7 @@ PointCloud read_cloud(const std::filesystem::path& path, const ReadSettings& set
         counts.name = header.name;
         counts.declared = header.declared_points;
         said.notes.insert(said.notes.end(), header.notes.begin(), header.notes.end());
-        Points points = read_world_points(*file, header, cloud, chosen, counts);
+        Points points = read_world_points(*file, header, cloud, chosen, counts, progress);
         if (header.T_world_scan) {
             points.stations.assign(points.size(),
                                    static_cast<std::uint32_t>(cloud.stations.size()));

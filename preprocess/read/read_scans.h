@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "octree/progress.h"
 #include "preprocess/read/scan_file.h"
 #include "preprocess/scan.h"
 
@@ -56,8 +57,8 @@ std::vector<Scan> read_scans(const std::filesystem::path& path, const ReadSettin
 /// lights (cloud_comments.h), others' as they are. Several scans, or one with a pose, are taken to
 /// the world and become stations. Nothing but points that are not finite or absurdly far is
 /// dropped. Throws Error: kUnreadable as open_scan_file and for a point whose station is not there,
-/// kDegenerate where no points are left.
+/// kDegenerate where no points are left. `progress` counts points.
 PointCloud read_cloud(const std::filesystem::path& path, const ReadSettings& settings = {},
-                      ReadReport* report = nullptr);
+                      ReadReport* report = nullptr, const Progress& progress = {});
 
 }  // namespace glowworm

@@ -150,6 +150,7 @@ std::vector<PatchLink> link_neighbours(const SurfacePoints& points, const Neighb
     const std::size_t n = points.size(), blocks = block_count(n);
     std::vector<std::vector<PatchLink>> of_block(blocks);
     tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
+        std::vector<PatchLink> own;
         for (std::size_t i = block * kBlock; i < std::min((block + 1) * kBlock, n); ++i) {
             if (patches.of[i] == kNoPatch) continue;
             for (const std::uint32_t j : table.of(i)) {
@@ -158,11 +159,11 @@ std::vector<PatchLink> link_neighbours(const SurfacePoints& points, const Neighb
                 if (std::abs(a.side) < kSilent) continue;
                 const bool opposite = (patches.of[i] ^ patches.of[j]) & 1;
                 const float said = a.side * (kCorner + (1.0f - kCorner) * a.smooth);
-                of_block[block].push_back(
-                    {patches.of[i] >> 1, patches.of[j] >> 1, opposite ? -said : said});
+                own.push_back({patches.of[i] >> 1, patches.of[j] >> 1, opposite ? -said : said});
             }
         }
-        of_block[block] = sum_links(std::move(of_block[block]));
+        own = sum_links(std::move(own));
+        of_block[block].assign(own.begin(), own.end());  // few are left: no room for more
     });
     std::vector<PatchLink> links;
     for (std::vector<PatchLink>& some : of_block) {

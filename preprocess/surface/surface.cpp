@@ -58,11 +58,17 @@ float median_spacing(const std::vector<LocalPlane>& planes) {
     return std::sqrt(*middle);
 }
 
-[[noreturn]] void throw_degenerate(std::size_t points) {
+[[noreturn]] void throw_degenerate(const SurfaceReport& report) {
+    std::string left_out;
+    if (report.not_finite > 0) {
+        left_out = "; " + std::to_string(report.not_finite) +
+                   " of them are not finite or lie beyond 10 000 km from the cloud's origin";
+    }
     throw Error(ExitCode::kDegenerate,
-                "None of the " + std::to_string(points) +
+                "None of the " + std::to_string(report.points) +
                     " points lies on a surface: a normal needs at least 4 different points near "
-                    "each other that are not on one line; check the input cloud.");
+                    "each other that are not on one line" +
+                    left_out + "; check the input cloud.");
 }
 
 /// Finds for points whose station is unknown where they were seen from. Returns what all points
@@ -173,7 +179,7 @@ SurfelCloud make_surfels(const PointCloud& cloud, const SurfaceSettings& setting
     SurfacePoints points = arrange(cloud);
     report.not_finite = points.tree.not_finite;
     report.duplicates = points.tree.duplicates;
-    if (points.size() < 4) throw_degenerate(report.points);
+    if (points.size() < 4) throw_degenerate(report);
 
     std::size_t at_stations = 0;
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -182,6 +188,11 @@ SurfelCloud make_surfels(const PointCloud& cloud, const SurfaceSettings& setting
         report.seen_from_trajectory =
             view_by_time(settings.trajectory, cloud.origin, cloud.points.times, points);
     }
+
+    // Between long steps that count nothing: whether to stop.
+    const auto hear = [&] {
+        if (progress) progress(points.size(), points.size());
+    };
 
     const CloudScale scale = measure_scale(points.tree, settings.k);
     NormalSettings fit;
@@ -198,10 +209,12 @@ SurfelCloud make_surfels(const PointCloud& cloud, const SurfaceSettings& setting
         report.grown += plane.area > 0.0f && plane.points > fit.k;
         report.weak += plane.area > 0.0f && plane.error_per_noise * fit.range_noise > kWeak;
     }
-    if (report.isolated == planes.size()) throw_degenerate(report.points);
+    if (report.isolated == planes.size()) throw_degenerate(report);
 
+    hear();
     if (settings.sharp_edges) report.edges = sharpen_edges(points, fit, planes);
 
+    hear();
     const float spacing = median_spacing(planes);
     const Orientation by = find_viewpoints(cloud, settings.trajectory, planes, points, report);
     const OrientationReport sides = orient_normals(points, table, fit.range_noise, planes);
@@ -210,6 +223,7 @@ SurfelCloud make_surfels(const PointCloud& cloud, const SurfaceSettings& setting
     report.facing_outside = sides.of(FreeSideRule::kOpenSide);
     report.orientation = orientation_of(sides, by, at_stations);
 
+    hear();
     const std::vector<float> ndf_lengths =
         estimate_ndf_lengths(points, table, planes, fit.range_noise);
     table.rows = {};
@@ -220,6 +234,7 @@ SurfelCloud make_surfels(const PointCloud& cloud, const SurfaceSettings& setting
     write_surfels(cloud, points, planes, ndf_lengths, albedo, fit.range_noise, surfels.surfels,
                   normal_errors);
 
+    hear();
     if (settings.delight) report.delight = delight(surfels);
 
     report.surfels = surfels.surfels.size();

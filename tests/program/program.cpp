@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -46,9 +47,10 @@ Ended run_program(const std::filesystem::path& program, const std::vector<std::s
     if (failed != 0) throw std::runtime_error("cannot run " + words[0]);
 
     int status = 0;
-    ::waitpid(child, &status, 0);
+    struct rusage usage = {};
+    ::wait4(child, &status, 0, &usage);
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    return {code, content_of(out), content_of(err)};
+    return {code, content_of(out), content_of(err), usage.ru_maxrss * 1024};
 }
 
 Ended glowworm(const std::vector<std::string>& arguments) {

@@ -10,6 +10,7 @@ namespace glowworm::testing {
 struct Ended {
     int code = -1;  ///< exit code; 128 + n where signal n ended it
     std::string out, err;
+    long peak = 0;  ///< bytes that it occupied at its peak
 };
 
 /// Runs a program to its end with its arguments as they are, without a shell.
