@@ -10,7 +10,7 @@ namespace {
 
 // Bytes.
 constexpr double kProgram = 46e6;     // libraries, tables
-constexpr double kSmallBlocks = 4e6;  // to be measured
+constexpr double kSmallBlocks = 14e6;  // and pages to work in, measured
 constexpr double kReadPoint = 75.0;   // a point of any scan until they are merged
 constexpr double kSurfacePoint = 200.0;
 constexpr double kBuildSurfel = 100.0;
