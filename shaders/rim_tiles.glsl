@@ -1,11 +1,13 @@
 // Which squares of the picture hold a rim: most discs are nowhere near one.
+#ifndef __cplusplus
 layout(std430, binding = BINDING_RIM_TILES) readonly buffer rim_tiles { uint tiles[]; };
+#endif
 
-bool any_rim(Splat splat) {
+bool any_rim(ivec4 box) {
     int columns = int((view.width + RIM_TILE - 1u) / RIM_TILE);
-    ivec2 low = splat.lowest / RIM_TILE, high = splat.highest / RIM_TILE;
-    for (int y = low.y; y <= high.y; ++y) {
-        for (int x = low.x; x <= high.x; ++x) {
+    ivec4 squares = box / RIM_TILE;
+    for (int y = squares.y; y <= squares.w; ++y) {
+        for (int x = squares.x; x <= squares.z; ++x) {
             if (tiles[y * columns + x] != 0u) return true;
         }
     }

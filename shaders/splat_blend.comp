@@ -1,15 +1,13 @@
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 #include "frame_layout.h"
-#include "rims.glsl"
-#ifdef BEHIND_RIMS
-#define DISC_REACH kGapGrowth
-#endif
 #include "view.glsl"
 #include "surfel.glsl"
 #include "splat.glsl"
-#include "splat_input.glsl"
+#include "rims.glsl"
 #include "surface_sums.glsl"
+#include "splat_input.glsl"
+#include "pixel_sums.glsl"
 
 layout(std430, binding = BINDING_DEPTHS) readonly buffer pixel_depths { uint depths[]; };
 
@@ -17,34 +15,35 @@ layout(std430, binding = BINDING_DEPTHS) readonly buffer pixel_depths { uint dep
 // BEHIND_RIMS, only where one was found behind a rim or in a gap.
 #ifdef BEHIND_RIMS
 layout(std430, binding = BINDING_RIMS) readonly buffer pixel_rims { float rims[]; };
-// How far off its middle squared a disc counts, 0 where it does not.
-float reach_at(uint pixel, float behind, float radius) {
-    if (rims[pixel] == kGap) return kGapGrowth * kGapGrowth;
-    return rims[pixel] > 0.0 && behind > -0.01 * radius ? 1.0 : 0.0;   // the rim lies farther in front
-}
 #include "rim_tiles.glsl"
+const float kReach = kGapGrowth;
+#define REACH_AT(pixel, behind, radius) reach_beside(rims[pixel], behind, radius)
 #else
-bool any_rim(Splat splat) { return true; }
-float reach_at(uint pixel, float behind, float radius) { return 1.0; }
+const float kReach = 1.0;
+bool any_rim(ivec4 box) { return true; }
+#define REACH_AT(pixel, behind, radius) 1.0
 #endif
 
 void main() {
     PackedSurfel surfel;
     Splat splat;
-    if (!this_splat(surfel, splat) || !any_rim(splat)) return;
+    if (!this_splat(surfel, splat)) return;
+    ivec4 box = splat_box(splat, kReach);
+    if (is_empty_box(box) || !any_rim(box)) return;
     vec3 normal = camera_from_octree_direction(surfel_normal(surfel));
     vec3 albedo = surfel_albedo(surfel);
     float ndf_length = surfel_ndf_length(surfel);
 
-    for (int y = splat.lowest.y; y <= splat.highest.y; ++y) {
-        for (int x = splat.lowest.x; x <= splat.highest.x; ++x) {
-            float depth, off;
-            if (!splat_at(splat, ivec2(x, y), depth, off)) continue;
+    for (int y = box.y; y <= box.w; ++y) {
+        for (int x = box.x; x <= box.z; ++x) {
             uint pixel = uint(y) * view.width + uint(x);
+            float depth, off;
+            splat_at(splat, float(x) + 0.5, float(y) + 0.5, depth, off);
             float behind = depth - uintBitsToFloat(depths[pixel]);
-            float most = reach_at(pixel, behind, splat.radius);
-            if (behind > splat.radius || off >= most) continue;
-            add_to_surface(pixel, splat_weight(off, most), normal, albedo, ndf_length, behind);
+            float most = REACH_AT(pixel, behind, splat.radius);
+            if (depth <= 0.0 || behind > splat.radius || off >= most) continue;
+            add_to_surface(pixel, share_of_surface(splat_weight(off, most), normal, albedo,
+                                                   ndf_length, behind));
         }
     }
 }

@@ -11,15 +11,7 @@ bool this_splat(out PackedSurfel surfel, out Splat splat) {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     if (group >= batch_count) return false;
     SplatBatch batch = batches[first_batch + group];
-    DrawnChunk chunk = chunks[batch.chunk];
     if (gl_LocalInvocationID.x >= batch.count) return false;
     surfel = surfels[batch.first + gl_LocalInvocationID.x];
-    if (surfel_light(surfel) != 0u) return false;   // panels are drawn as exact rectangles
-    vec3 position = surfel_position(surfel, chunk.box);
-    if (any(lessThan(position, view.clip_low.xyz)) || any(greaterThan(position, view.clip_high.xyz))) {
-        return false;
-    }
-    return make_splat(camera_from_octree(position),
-                      camera_from_octree_direction(surfel_normal(surfel)),
-                      surfel_radius(surfel) * chunk.scale, splat);
+    return splat_of(surfel, chunks[batch.chunk], splat);
 }

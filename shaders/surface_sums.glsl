@@ -1,31 +1,55 @@
+#ifndef FLOATS
+#define FLOATS float   // or those of some pixels beside each other (viewer/gpu/lanes.h)
+#endif
+#ifndef INTS
+#define INTS int
+#define TO_INTS(values) int(values)
+#endif
+
 // Weighted sums over the discs at a pixel, in fixed point: integer sums do not depend on their
 // order, so the same frame gives the same bits.
-layout(std430, binding = BINDING_NORMAL_SUMS) buffer pixel_normal_sums { ivec4 normal_sums[]; };   // camera space; w: weight
-layout(std430, binding = BINDING_ALBEDO_SUMS) buffer pixel_albedo_sums { uvec4 albedo_sums[]; };   // w: NDF length
-layout(std430, binding = BINDING_BEHIND_SUMS) buffer pixel_behind_sums { int behind_sums[]; };     // m behind the nearest
+CONSTANT uint kFarthest = 0x7f800000u;   // depth where nothing was hit: +infinity
+CONSTANT float kFixedOne = 65536.0f;
+CONSTANT float kLeastWeight = 1.0f / 4096.0f;
 
-const uint kFarthest = 0x7f800000u;   // depth where nothing was hit: +infinity
-const float kFixedOne = 65536.0;
-const float kLeastWeight = 1.0 / 4096.0;
+// What one disc adds.
+struct SurfaceShare {
+    INTS normal_x, normal_y, normal_z;   // camera space
+    INTS weight;
+    INTS red, green, blue, ndf_length;
+    INTS behind;                         // m behind the nearest
+};
 
-void add_to_surface(uint pixel, float weight, vec3 normal, vec3 albedo, float ndf_length,
-                    float behind) {
-    float w = max(weight, kLeastWeight) * kFixedOne;
-    ivec4 n = ivec4(round(vec4(normal, 1.0) * w));
-    uvec4 a = uvec4(vec4(albedo, ndf_length) * w + 0.5);
-    atomicAdd(normal_sums[pixel].x, n.x);
-    atomicAdd(normal_sums[pixel].y, n.y);
-    atomicAdd(normal_sums[pixel].z, n.z);
-    atomicAdd(normal_sums[pixel].w, n.w);
-    atomicAdd(albedo_sums[pixel].x, a.x);
-    atomicAdd(albedo_sums[pixel].y, a.y);
-    atomicAdd(albedo_sums[pixel].z, a.z);
-    atomicAdd(albedo_sums[pixel].w, a.w);
-    atomicAdd(behind_sums[pixel], int(round(behind * w)));
+SurfaceShare share_of_surface(FLOATS weight, vec3 normal, vec3 albedo, float ndf_length,
+                              FLOATS behind) {
+    FLOATS w = max(weight, kLeastWeight) * kFixedOne;
+    SurfaceShare share;
+    share.normal_x = TO_INTS(normal.x * w);
+    share.normal_y = TO_INTS(normal.y * w);
+    share.normal_z = TO_INTS(normal.z * w);
+    share.weight = TO_INTS(w);
+    share.red = TO_INTS(albedo.x * w);
+    share.green = TO_INTS(albedo.y * w);
+    share.blue = TO_INTS(albedo.z * w);
+    share.ndf_length = TO_INTS(ndf_length * w);
+    share.behind = TO_INTS(behind * w);
+    return share;
 }
 
-void clear_surface(uint pixel) {
-    normal_sums[pixel] = ivec4(0);
-    albedo_sums[pixel] = uvec4(0u);
-    behind_sums[pixel] = 0;
+// From the sums over all discs: xyz, the normal, w, the weight. Normal in the octree's frame; w:
+// depth, 0 where nothing was hit.
+vec4 mean_surface(ivec4 normal_sum, int behind_sum, float nearest) {
+    if (normal_sum.w == 0) return vec4(0.0f);
+    vec3 normal = octree_from_camera_direction(vec3(normal_sum));
+    float depth = nearest + float(behind_sum) / float(normal_sum.w);
+    return vec4(normal / max(length(normal), 1e-20f), depth);
+}
+
+// w: NDF length, that of the mean of the discs' NDF vectors.
+vec4 mean_albedo(ivec4 normal_sum, ivec4 albedo_sum) {
+    if (normal_sum.w == 0) return vec4(0.0f);
+    float weight = float(normal_sum.w);
+    vec4 albedo = vec4(albedo_sum) / weight;
+    albedo.w *= min(length(vec3(normal_sum)) / weight, 1.0f);
+    return albedo;
 }

@@ -79,14 +79,14 @@ void Frame::set_panels(std::span<const AreaLight> panels) {
 }
 
 void Frame::draw(const View& view, const LightField& light, Missing missing, PassTimer* timer) {
-    splat(view, missing, timer);
+    draw_surfaces(view, missing, timer);
     timed(timer, "shade", [&] { shading_.draw(gbuffer_, light, view, 1, settings_.wetness); });
 }
 
 /// The chunks that the last frame saw first; then those of the others that their surfaces do not
 /// hide: what is hidden would change no pixel, but where a rim opens farther than a tile of the
 /// pyramid.
-void Frame::splat(const View& view, Missing missing, PassTimer* timer) {
+void Frame::draw_surfaces(const View& view, Missing missing, PassTimer* timer) {
     const bool wait = missing == Missing::kWaitFor;
     std::vector<ChunkSelection> wanted;
     std::size_t first = 0;
@@ -146,7 +146,7 @@ FrameLayers Frame::render(const View& view, const LightField& light, const Progr
             const int height = std::min(edge, view.height - top);
             seen_.clear();  // a frame does not depend on those before it
             const View tile = supersampled(tile_of(view, left, top, width, height), samples);
-            splat(tile, Missing::kWaitFor, nullptr);
+            draw_surfaces(tile, Missing::kWaitFor, nullptr);
             shading_.draw(gbuffer_, light, tile, samples, settings_.wetness);
 
             const std::size_t count = static_cast<std::size_t>(width * height * samples * samples);

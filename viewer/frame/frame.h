@@ -52,8 +52,11 @@ class Frame {
     /// By the last draw left out, behind others.
     std::uint64_t surfels_hidden() const { return surfels_hidden_; }
 
+    /// What draw() does before it shades: `view`'s surfaces lie in gbuffer() afterwards.
+    void draw_surfaces(const View& view, Missing missing, PassTimer* timer = nullptr);
+    GBuffer& gbuffer() { return gbuffer_; }
+
   private:
-    void splat(const View& view, Missing missing, PassTimer* timer);
 
     OctreeView octree_;
     FrameSettings settings_;

@@ -1,8 +1,9 @@
 #include "viewer/frame/gbuffer.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
+
+#include "viewer/gpu/context.h"
 
 namespace glowworm {
 namespace {
@@ -27,31 +28,9 @@ gpu::ViewBlock view_block_of(const View& view, const Vec3d& origin) {
     return block;
 }
 
-template <typename T>
-void write_growing(Buffer& buffer, const char* label, const std::vector<T>& values) {
-    const std::size_t bytes = values.size() * sizeof(T);
-    if (buffer.bytes() < bytes) buffer = Buffer(label, bytes + bytes / 2);
-    buffer.write(values);
-}
-
 }  // namespace
 
 GBuffer::GBuffer() : view_("view", sizeof(gpu::ViewBlock)) {}
-
-void GBuffer::resize(std::size_t pixels) {
-    if (pixels == pixels_) return;
-    pixels_ = pixels;
-    depths_ = Buffer("pixel depths", pixels * sizeof(float));
-    depths_.write(std::vector<float>(pixels, std::numeric_limits<float>::infinity()));
-    rims_ = Buffer("pixel rims", pixels * sizeof(float));
-    rim_tiles_ = Buffer("rim tiles", pixels * sizeof(std::uint32_t));  // enough for any shape
-    tiles_ = Buffer("depth tiles", pixels * sizeof(float));
-    normal_sums_ = Buffer("normal sums", pixels * 4 * sizeof(std::int32_t));
-    albedo_sums_ = Buffer("albedo sums", pixels * 4 * sizeof(std::uint32_t));
-    behind_sums_ = Buffer("behind sums", pixels * sizeof(std::int32_t));
-    surfaces_ = Buffer("pixel surfaces", pixels * sizeof(gpu::vec4));
-    albedos_ = Buffer("pixel albedos", pixels * sizeof(gpu::vec4));
-}
 
 void GBuffer::bind() const {
     view_.bind_uniform(BINDING_VIEW);
@@ -60,13 +39,25 @@ void GBuffer::bind() const {
 }
 
 void GBuffer::begin(const OctreeView& octree, const View& view) {
-    resize(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
+    const auto pixels = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
+    if (surfaces_.bytes() != pixels * sizeof(gpu::vec4)) {
+        surfaces_ = Buffer("pixel surfaces", pixels * sizeof(gpu::vec4));
+        albedos_ = Buffer("pixel albedos", pixels * sizeof(gpu::vec4));
+    }
     shown_ = view;
     view_block_ = view_block_of(view, octree.grid.origin);
     view_.write(std::span<const gpu::ViewBlock>(&view_block_, 1));
     chunks_.clear();
     batches_.clear();
     draws_.clear();
+    by_shaders_ = shaders_forced_ || !runs_on_cpu();
+    if (by_shaders_) {
+        if (!shaders_) shaders_.emplace();
+        shaders_->begin(pixels);
+    } else {
+        if (!pass_) pass_.emplace();
+        pass_->begin(view_block_);
+    }
 }
 
 void GBuffer::add(const OctreeView& octree, const SurfelCache& cloud,
@@ -94,10 +85,11 @@ void GBuffer::add(const OctreeView& octree, const SurfelCache& cloud,
                           static_cast<std::uint32_t>(of_page[page].size())});
         batches_.insert(batches_.end(), of_page[page].begin(), of_page[page].end());
     }
-    write_growing(chunk_buffer_, "drawn chunks", chunks_);
-    write_growing(batch_buffer_, "splat batches", batches_);
-    bind_splats();
-    timed(timer, "splat depth", [&] { splat(depth_, cloud, first_draw); });
+    timed(timer, "splat depth", [&] {
+        if (!by_shaders_) return pass_->add(input(cloud), first_draw);
+        bind();
+        shaders_->add(input(cloud), first_draw);
+    });
 }
 
 DepthPyramid GBuffer::pyramid(PassTimer* timer) {
@@ -106,47 +98,27 @@ DepthPyramid GBuffer::pyramid(PassTimer* timer) {
     const auto count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
     std::vector<float> farthest;
     timed(timer, "depth pyramid", [&] {
-        bind_splats();
-        depth_tiles_.dispatch(count, 64);
-        farthest = tiles_.read<float>(count);
+        if (by_shaders_) bind();
+        farthest = by_shaders_ ? shaders_->farthest_tiles(count) : pass_->farthest_tiles();
     });
     return {std::move(farthest), columns, rows, DEPTH_TILE};
 }
 
 void GBuffer::finish(const SurfelCache& cloud, PassTimer* timer) {
-    bind_splats();
-    timed(timer, "splat blend", [&] { splat(blend_, cloud, 0); });
-    timed(timer, "rims", [&] {
-        rim_tiles_.clear();
-        find_rims_.dispatch(pixels_, 128);
-        splat(depth_behind_, cloud, 0);
-        open_rims_.dispatch(pixels_, 128);
-        splat(blend_behind_, cloud, 0);
-    });
-    timed(timer, "resolve", [&] { resolve_.dispatch(pixels_, 128); });
-}
-
-void GBuffer::bind_splats() const {
-    bind();
-    chunk_buffer_.bind_storage(BINDING_DRAWN_CHUNKS);
-    batch_buffer_.bind_storage(BINDING_SPLAT_BATCHES);
-    depths_.bind_storage(BINDING_DEPTHS);
-    tiles_.bind_storage(BINDING_DEPTH_TILES);
-    rims_.bind_storage(BINDING_RIMS);
-    rim_tiles_.bind_storage(BINDING_RIM_TILES);
-    normal_sums_.bind_storage(BINDING_NORMAL_SUMS);
-    albedo_sums_.bind_storage(BINDING_ALBEDO_SUMS);
-    behind_sums_.bind_storage(BINDING_BEHIND_SUMS);
-}
-
-void GBuffer::splat(const Program& pass, const SurfelCache& cloud, std::size_t first_draw) const {
-    for (std::size_t i = first_draw; i < draws_.size(); ++i) {
-        const PageDraw& draw = draws_[i];
-        cloud.pages()[draw.page].bind_storage(BINDING_SURFELS);
-        set_uniform(pass, 0, draw.batch_count);
-        set_uniform(pass, 1, draw.first_batch);
-        pass.dispatch(std::size_t{draw.batch_count} * SPLAT_GROUP, SPLAT_GROUP);
+    if (by_shaders_) {
+        bind();
+        timed(timer, "splat blend", [&] { shaders_->blend(input(cloud)); });
+        timed(timer, "rims", [&] { shaders_->open_rims(input(cloud)); });
+        timed(timer, "resolve", [&] { shaders_->resolve(); });
+    } else {
+        const auto surfaces = surfaces_.map<gpu::vec4>(), albedos = albedos_.map<gpu::vec4>();
+        timed(timer, "splat blend", [&] { pass_->blend(surfaces, albedos); });
+        timed(timer, "rims", [&] { pass_->open_rims(surfaces, albedos); });
     }
+}
+
+SplatInput GBuffer::input(const SurfelCache& cloud) const {
+    return {chunks_, batches_, draws_, cloud.pages()};
 }
 
 }  // namespace glowworm

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -8,17 +9,18 @@
 #include "shaders/frame_layout.h"
 #include "viewer/frame/occlusion.h"
 #include "viewer/frame/selection.h"
+#include "viewer/frame/splat_pass.h"
+#include "viewer/frame/splat_shaders.h"
 #include "viewer/frame/surfel_cache.h"
 #include "viewer/frame/timed_pass.h"
 #include "viewer/frame/view.h"
-#include "viewer/gpu/program.h"
 
 namespace glowworm {
 
-/// The visible surface at every pixel, from discs rasterised by compute: 32-bit atomics find the
-/// nearest disc, then all discs within a radius of it are averaged. Discs reach past the edges of
-/// the surface they stand for; where they hardly add up, what lies behind shows instead. Sums are
-/// integers, so the same cloud and view give the same bits, in whatever order its parts come.
+/// The visible surface at every pixel: the nearest disc, averaged with all discs within a radius of
+/// it. Discs reach past the edges of the surface they stand for; where they hardly add up, what lies
+/// behind shows instead. The same cloud and view give the same bits, in whatever order its parts
+/// come. By shaders; where OpenGL runs on the CPU by compiled code.
 /// Pixels lie row by row, the top one first.
 class GBuffer {
   public:
@@ -44,32 +46,21 @@ class GBuffer {
     /// The view as passes see it.
     const gpu::ViewBlock& view_block() const { return view_block_; }
 
+    /// Whether shaders draw where compiled code would be faster: to compare the two.
+    void force_shaders(bool force) { shaders_forced_ = force; }
+
   private:
-    /// What one page draws: a range of the batches.
-    struct PageDraw {
-        std::size_t page;
-        std::uint32_t first_batch, batch_count;
-    };
+    SplatInput input(const SurfelCache& cloud) const;
 
-    void resize(std::size_t pixels);
-    void bind_splats() const;
-    void splat(const Program& pass, const SurfelCache& cloud, std::size_t first_draw) const;
-
-    Program depth_{{"splat_depth.comp"}}, blend_{{"splat_blend.comp"}};
-    Program depth_behind_{{"splat_depth.comp"}, {"BEHIND_RIMS"}};
-    Program blend_behind_{{"splat_blend.comp"}, {"BEHIND_RIMS"}};
-    Program depth_tiles_{{"depth_tiles.comp"}};
-    Program find_rims_{{"rim_find.comp"}}, open_rims_{{"rim_open.comp"}};
-    Program resolve_{{"surface_resolve.comp"}};
+    std::optional<SplatShaders> shaders_;  // one of the two, made when first asked for
+    std::optional<SplatPass> pass_;
+    bool shaders_forced_ = false, by_shaders_ = true;
     View shown_;
     gpu::ViewBlock view_block_{};
     std::vector<gpu::DrawnChunk> chunks_;
     std::vector<gpu::SplatBatch> batches_;
     std::vector<PageDraw> draws_;
-    Buffer view_, chunk_buffer_, batch_buffer_, tiles_;
-    Buffer depths_, rims_, rim_tiles_, normal_sums_, albedo_sums_, behind_sums_;
-    Buffer surfaces_, albedos_;
-    std::size_t pixels_ = 0;
+    Buffer view_, surfaces_, albedos_;
 };
 
 }  // namespace glowworm

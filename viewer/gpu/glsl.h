@@ -23,6 +23,7 @@
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
+#include <glm/packing.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -75,6 +76,8 @@ using glm::sign;
 using glm::smoothstep;
 using glm::sqrt;
 using glm::step;
+using glm::unpackHalf2x16;
+using glm::unpackSnorm2x16;
 
 #pragma GCC diagnostic ignored "-Wshadow"  // of a pass's members by a topic's arguments
 
