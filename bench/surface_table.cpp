@@ -42,9 +42,12 @@ void compare(const std::vector<gpu::vec4>& a, const std::vector<gpu::vec4>& b) {
         worst = std::max(worst, off);
         normals += std::abs(turn.x) + std::abs(turn.y) + std::abs(turn.z);
     }
-    fmt::print("  compiled and shaders: {} pixels, {} seen by one alone, {} more than 1e-4 apart in depth, "
-               "worst {:.2g}; normals {:.2g} in the mean\n",
-               hits, one_only, apart, worst, normals / static_cast<double>(std::max<std::size_t>(hits, 1)));
+    fmt::print(
+        "  compiled and shaders: {} pixels, {} seen by one alone, {} more than 1e-4 apart in "
+        "depth, "
+        "worst {:.2g}; normals {:.2g} in the mean\n",
+        hits, one_only, apart, worst,
+        normals / static_cast<double>(std::max<std::size_t>(hits, 1)));
 }
 
 void run(const std::string& cave, const std::string& scene_file, const std::string& name,
@@ -64,7 +67,7 @@ void run(const std::string& cave, const std::string& scene_file, const std::stri
         std::vector<std::vector<gpu::vec4>> surfaces;
         for (const bool shaders : {false, true}) {
             if (shaders && !shaders_too) continue;
-            frame.gbuffer().force_shaders(shaders);
+            frame.force_shaders(shaders);
             frame.draw_surfaces(view, Frame::Missing::kWaitFor);
             PassTimer timer(context.device());
             const std::clock_t begun = std::clock();
@@ -92,7 +95,8 @@ void run(const std::string& cave, const std::string& scene_file, const std::stri
 
 int main(int argc, char** argv) {
     if (argc < 2) {
-        fmt::print(stderr, "usage: bench_surfaces CAVE.svo [SCENE.json [CAMERA [FRAMES [shaders]]]]\n");
+        fmt::print(stderr,
+                   "usage: bench_surfaces CAVE.svo [SCENE.json [CAMERA [FRAMES [shaders]]]]\n");
         return 2;
     }
     try {

@@ -1,8 +1,10 @@
 // Passes as compiled code beside the same passes as shaders, pixel by pixel.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <random>
 
 #include "analytic_cave.h"
 #include "octree/build.h"
@@ -78,6 +80,77 @@ TEST(FrameTwin, CompiledShadingDrawsWhatTheShadersDraw) {
     EXPECT_EQ(compiled.emission, shaded.emission);
     EXPECT_LE(ties("direct", shaded.direct, compiled.direct), 5u);
     EXPECT_LE(ties("indirect", shaded.indirect, compiled.indirect), 5u);
+    for (const std::string& error : context.errors())
+        ADD_FAILURE() << error;
+}
+
+/// Random points of a room, of a block in its middle, and of a strip that pokes out of a hole in a
+/// wall: gaps, rims and outlines against nothing.
+SurfelCloud ragged_room() {
+    SurfelCloud even = testing::closed_room({-2.0f, -1.5f, 0.0f}, {2.0f, 1.5f, 2.4f}, 0.03f);
+    testing::add_wall(even, 0, -0.3f, -1.0f, {-0.3f, -0.6f, 0.5f}, {0.3f, 0.6f, 1.3f}, 0.02f);
+    testing::add_wall(even, 1, -0.6f, -1.0f, {-0.3f, -0.6f, 0.5f}, {0.3f, 0.6f, 1.3f}, 0.02f);
+    std::mt19937 random(4);
+    std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+    SurfelCloud ragged;
+    for (Surfel& surfel : even.surfels) {
+        const Vec3f& p = surfel.position;
+        const bool in_hole = p.x > 1.9f && std::abs(p.y) < 0.5f && std::abs(p.z - 1.2f) < 0.4f;
+        if (in_hole || unit(random) < 0.4f) continue;
+        surfel.albedo = {unit(random), 0.5f, 0.2f};
+        for (int axis = 0; axis < 3; ++axis)
+            surfel.position[axis] += 0.02f * (unit(random) - 0.5f);
+        ragged.surfels.push_back(surfel);
+    }
+    return ragged;
+}
+
+TEST(FrameTwin, CompiledSplattingDrawsWhatTheShadersDraw) {
+    const Context context = Context::headless();
+    if (!context.device().software) GTEST_SKIP() << "OpenGL runs on a GPU: shaders do all of it";
+    const Octree octree = build_octree(ragged_room(), {.depth = 5});
+    Frame frame(context, octree.view());
+    Camera camera;
+    camera.position = {-1.7, -1.2, 0.9};
+    camera.look_at = {0.6, 0.3, 1.2};
+    camera.vfov_deg = 80.0;
+    camera.width = 203;
+    camera.height = 157;
+    View orthographic = view_of(camera);
+    orthographic.orthographic = true;
+    orthographic.focal = 60.0;
+    View clipped = view_of(camera);
+    clipped.clip = WorldBox{{-1.0, -2.0, 0.2}, {2.1, 2.0, 2.0}};
+    for (const View& view : {view_of(camera), orthographic, clipped}) {
+        const auto pixels = static_cast<std::size_t>(view.width * view.height);
+        std::vector<std::vector<gpu::vec4>> surfaces, albedos;
+        for (const bool shaders : {false, false, true}) {
+            frame.force_shaders(shaders);
+            frame.draw_surfaces(view, Frame::Missing::kWaitFor);
+            surfaces.push_back(frame.gbuffer().surfaces().read<gpu::vec4>(pixels));
+            albedos.push_back(frame.gbuffer().albedos().read<gpu::vec4>(pixels));
+        }
+        EXPECT_EQ(surfaces[0], surfaces[1]) << "drawn twice";
+        EXPECT_EQ(albedos[0], albedos[1]) << "drawn twice";
+        std::size_t hits = 0, ties = 0;
+        double off = 0;
+        for (std::size_t i = 0; i < pixels; ++i) {
+            const gpu::vec4 surface = surfaces[0][i] - surfaces[2][i];
+            const gpu::vec4 albedo = albedos[0][i] - albedos[2][i];
+            const double apart =
+                std::max({std::abs(surface.x), std::abs(surface.y), std::abs(surface.z),
+                          std::abs(surface.w), std::abs(albedo.x), std::abs(albedo.w)});
+            hits += surfaces[2][i].w > 0 ? 1 : 0;
+            ties += apart > 1e-3 ? 1 : 0;  // a disc more or less, by rounding
+            if (apart <= 1e-3) off += apart / static_cast<double>(pixels);
+        }
+        std::cout << hits << " of " << pixels << " pixels see a surface, " << ties
+                  << " differ by a disc, the others by " << off << " in the mean\n";
+        EXPECT_GT(hits, pixels / 3);
+        EXPECT_LT(hits, pixels) << "nothing is seen through the hole";
+        EXPECT_LE(ties, pixels / 1000);
+        EXPECT_LT(off, 2e-5);
+    }
     for (const std::string& error : context.errors())
         ADD_FAILURE() << error;
 }

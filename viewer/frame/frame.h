@@ -45,7 +45,10 @@ class Frame {
     const GBuffer& gbuffer() const { return gbuffer_; }
     const Shading& shading() const { return shading_; }
     /// Draws by shaders where compiled code would be faster: to compare the two.
-    void force_shaders(bool force) { shading_.force_shaders(force); }
+    void force_shaders(bool force) {
+        gbuffer_.force_shaders(force);
+        shading_.force_shaders(force);
+    }
     void set_wetness(float wetness) { settings_.wetness = wetness; }
     void set_selection(const SelectionSettings& selection) { settings_.selection = selection; }
     std::uint64_t surfels_drawn() const { return surfels_drawn_; }  ///< by the last draw
@@ -54,10 +57,8 @@ class Frame {
 
     /// What draw() does before it shades: `view`'s surfaces lie in gbuffer() afterwards.
     void draw_surfaces(const View& view, Missing missing, PassTimer* timer = nullptr);
-    GBuffer& gbuffer() { return gbuffer_; }
 
   private:
-
     OctreeView octree_;
     FrameSettings settings_;
     std::vector<ChunkBox> boxes_;  ///< [chunks]

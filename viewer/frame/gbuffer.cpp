@@ -39,7 +39,8 @@ void GBuffer::bind() const {
 }
 
 void GBuffer::begin(const OctreeView& octree, const View& view) {
-    const auto pixels = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
+    const auto pixels =
+        static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
     if (surfaces_.bytes() != pixels * sizeof(gpu::vec4)) {
         surfaces_ = Buffer("pixel surfaces", pixels * sizeof(gpu::vec4));
         albedos_ = Buffer("pixel albedos", pixels * sizeof(gpu::vec4));

@@ -18,10 +18,10 @@
 namespace glowworm {
 
 /// The visible surface at every pixel: the nearest disc, averaged with all discs within a radius of
-/// it. Discs reach past the edges of the surface they stand for; where they hardly add up, what lies
-/// behind shows instead. The same cloud and view give the same bits, in whatever order its parts
-/// come. By shaders; where OpenGL runs on the CPU by compiled code.
-/// Pixels lie row by row, the top one first.
+/// it. Discs reach past the edges of the surface they stand for; where they hardly add up, what
+/// lies behind shows instead. The same cloud and view give the same bits, in whatever order its
+/// parts come. By shaders; where OpenGL runs on the CPU by compiled code. Pixels lie row by row,
+/// the top one first.
 class GBuffer {
   public:
     GBuffer();
@@ -46,7 +46,7 @@ class GBuffer {
     /// The view as passes see it.
     const gpu::ViewBlock& view_block() const { return view_block_; }
 
-    /// Whether shaders draw where compiled code would be faster: to compare the two.
+    /// Frame::force_shaders
     void force_shaders(bool force) { shaders_forced_ = force; }
 
   private:

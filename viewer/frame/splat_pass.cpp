@@ -21,24 +21,32 @@ namespace {
 /// What the shaders bind, and what they compute with it.
 struct SplatTopics {
     ViewBlock view{};
-    std::array<float, 256> linear{};   // of an sRGB byte
-    std::span<float> depths, rims;     // [pixels] m
-    std::span<const int> weights;      // [pixels] of all discs at a pixel
-    std::span<uint> tiles;             // [squares of RIM_TILE] 1: holds a rim
+    std::array<float, 256> linear{};  // of an sRGB byte
+    std::span<float> depths, rims;    // [pixels] m
+    std::span<const int> weights;     // [pixels] of all discs at a pixel
+    std::span<uint> tiles;            // [squares of RIM_TILE] 1: holds a rim
 
 #define LINEAR_FROM_SRGB(value) linear[value]
-#include "shaders/view.glsl"
-#include "shaders/surfel.glsl"
+#include "shaders/rim_tiles.glsl"
+#include "shaders/rims.glsl"
 #include "shaders/splat.glsl"
 #include "shaders/surface_sums.glsl"
-#include "shaders/rims.glsl"
-#include "shaders/rim_tiles.glsl"
-    bool is_solid(uint pixel) { return float(weights[pixel]) >= kRimCover * kFixedOne; }
-    float depth_at(uint pixel) { return depths[pixel]; }
-    float rim_at(uint pixel) { return rims[pixel]; }
-    bool is_empty(uint pixel) { return std::isinf(depths[pixel]); }
-#include "shaders/rim_search.glsl"
+#include "shaders/surfel.glsl"
+#include "shaders/view.glsl"
+    bool is_solid(uint pixel) {
+        return float(weights[pixel]) >= kRimCover * kFixedOne;
+    }
+    float depth_at(uint pixel) {
+        return depths[pixel];
+    }
+    float rim_at(uint pixel) {
+        return rims[pixel];
+    }
+    bool is_empty(uint pixel) {
+        return std::isinf(depths[pixel]);
+    }
 #include "shaders/rim_borders.glsl"
+#include "shaders/rim_search.glsl"
 };
 
 struct alignas(64) Disc {
@@ -156,13 +164,13 @@ void for_each_hit(SplatTopics& own, const SplatTopics::Splat& splat, const Pixel
 
 struct SplatPass::Picture {
     SplatTopics topics;
-    int columns = 0, rows = 0;           // of tiles
-    std::vector<float> depths, rims;     // [pixels]
-    std::vector<int> weights;            // [pixels]
-    std::vector<uint> rim_squares;       // [squares of RIM_TILE]
-    std::vector<std::uint32_t> rim_bits; // [tiles * kTile] a bit a pixel of a row: it is a rim
-    std::vector<Discs> parts;            // one an add()
-    std::size_t used = 0;                // of them, in this frame
+    int columns = 0, rows = 0;            // of tiles
+    std::vector<float> depths, rims;      // [pixels]
+    std::vector<int> weights;             // [pixels]
+    std::vector<uint> rim_squares;        // [squares of RIM_TILE]
+    std::vector<std::uint32_t> rim_bits;  // [tiles * kTile] a bit a pixel of a row: it is a rim
+    std::vector<Discs> parts;             // one an add()
+    std::size_t used = 0;                 // of them, in this frame
 
     Tile tile(std::size_t index) const {
         const int left = static_cast<int>(index) % columns * kTile;
@@ -176,8 +184,8 @@ struct SplatPass::Picture {
     /// On all cores; each task with topics of its own.
     template <typename Visit>
     void for_each_tile(const Visit& visit) const {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(
-                              0, static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows)),
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, static_cast<std::size_t>(columns) *
+                                                                 static_cast<std::size_t>(rows)),
                           [&](const auto& range) {
                               SplatTopics own = topics;
                               for (std::size_t i = range.begin(); i < range.end(); ++i)
@@ -271,8 +279,7 @@ void SplatPass::Picture::find_nearest(const Tile& tile, SplatTopics& own, const 
         for_each_hit(own, disc.splat, tile.clipped(disc.box), tile,
                      [&](std::size_t group, gpu::Floats depth, gpu::Floats off) {
                          const gpu::Floats is = nearest[group];
-                         nearest[group] =
-                             (depth > 0.0f) & (off < 1.0f) & (depth < is) ? depth : is;
+                         nearest[group] = (depth > 0.0f) & (off < 1.0f) & (depth < is) ? depth : is;
                      });
     });
     for_each_pixel(tile.all(), [&](int x, int y) {
@@ -287,8 +294,7 @@ void SplatPass::add(const SplatInput& input, std::size_t first_draw) {
     p.make_discs(part, input, first_draw);
     part.bins = TileBins(part.boxes, static_cast<int>(p.topics.view.width),
                          static_cast<int>(p.topics.view.height));
-    p.for_each_tile(
-        [&](const Tile& tile, SplatTopics& own) { p.find_nearest(tile, own, part); });
+    p.for_each_tile([&](const Tile& tile, SplatTopics& own) { p.find_nearest(tile, own, part); });
 }
 
 std::vector<float> SplatPass::farthest_tiles() const {
@@ -316,17 +322,16 @@ void SplatPass::Picture::blend(const Tile& tile, SplatTopics& own, Groups<Share>
         part.for_each(part.bins.of(tile.index), [&](const Disc& disc) {
             const glm::vec3 albedo = own.surfel_albedo({.albedo_ndf = disc.albedo_ndf});
             const float ndf_length = own.surfel_ndf_length({.albedo_ndf = disc.albedo_ndf});
-            for_each_hit(
-                own, disc.splat, tile.clipped(disc.box), tile,
-                [&](std::size_t group, gpu::Floats depth, gpu::Floats off) {
-                    const gpu::Floats behind = depth - nearest[group];
-                    const gpu::Ints counts =
-                        (depth > 0.0f) & (behind <= disc.splat.radius) & (off < 1.0f);
-                    if (!gpu::any_of(counts)) return;
-                    add_part(sums[group], counts,
-                             own.share_of_surface(own.splat_weight(off, 1.0f), disc.normal, albedo,
-                                                  ndf_length, behind));
-                });
+            for_each_hit(own, disc.splat, tile.clipped(disc.box), tile,
+                         [&](std::size_t group, gpu::Floats depth, gpu::Floats off) {
+                             const gpu::Floats behind = depth - nearest[group];
+                             const gpu::Ints counts =
+                                 (depth > 0.0f) & (behind <= disc.splat.radius) & (off < 1.0f);
+                             if (!gpu::any_of(counts)) return;
+                             add_part(sums[group], counts,
+                                      own.share_of_surface(own.splat_weight(off, 1.0f), disc.normal,
+                                                           albedo, ndf_length, behind));
+                         });
         });
     }
 }
@@ -338,8 +343,8 @@ void SplatPass::Picture::resolve(const Tile& tile, SplatTopics& own, const Group
     const std::size_t i = tile.lane(x), at = pixel(x, y);
     const glm::ivec4 normal{sum.normal_x[i], sum.normal_y[i], sum.normal_z[i], sum.weight[i]};
     surfaces[at] = own.mean_surface(normal, sum.behind[i], depths[at]);
-    albedos[at] = own.mean_albedo(
-        normal, {sum.red[i], sum.green[i], sum.blue[i], sum.ndf_length[i]});
+    albedos[at] =
+        own.mean_albedo(normal, {sum.red[i], sum.green[i], sum.blue[i], sum.ndf_length[i]});
     weights[at] = sum.weight[i];
 }
 
@@ -348,9 +353,8 @@ void SplatPass::blend(std::span<gpu::vec4> surfaces, std::span<gpu::vec4> albedo
     p.for_each_tile([&](const Tile& tile, SplatTopics& own) {
         Groups<Share> sums{};
         p.blend(tile, own, sums);
-        for_each_pixel(tile.all(), [&](int x, int y) {
-            p.resolve(tile, own, sums, x, y, surfaces, albedos);
-        });
+        for_each_pixel(tile.all(),
+                       [&](int x, int y) { p.resolve(tile, own, sums, x, y, surfaces, albedos); });
     });
 }
 
@@ -439,17 +443,16 @@ void SplatPass::open_rims(std::span<gpu::vec4> surfaces, std::span<gpu::vec4> al
     std::vector<TileBins> bins;
     for (const Discs& part : std::span(p.parts).first(p.used)) {
         std::vector<PixelBox> near(part.grown.size());
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, near.size(), 4096),
-                          [&](const auto& range) {
-                              SplatTopics own = p.topics;
-                              for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                                  const PixelBox& box = part.grown[i];
-                                  const bool rim =
-                                      !box.empty() && own.any_rim({box.low_x, box.low_y,
-                                                                   box.high_x, box.high_y});
-                                  near[i] = rim ? box : kNowhere;
-                              }
-                          });
+        tbb::parallel_for(
+            tbb::blocked_range<std::size_t>(0, near.size(), 4096), [&](const auto& range) {
+                SplatTopics own = p.topics;
+                for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                    const PixelBox& box = part.grown[i];
+                    const bool rim =
+                        !box.empty() && own.any_rim({box.low_x, box.low_y, box.high_x, box.high_y});
+                    near[i] = rim ? box : kNowhere;
+                }
+            });
         bins.emplace_back(near, static_cast<int>(p.topics.view.width),
                           static_cast<int>(p.topics.view.height));
     }
