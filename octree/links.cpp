@@ -11,15 +11,15 @@
 #include <span>
 
 #include "octree/close_patches.h"
-#include "octree/ray_tracer.h"
 
 namespace glowworm {
 
 namespace {
 
-constexpr std::uint32_t kLobesAtOnce = 1 << 12;  // between two calls of progress
-constexpr std::uint32_t kLobesInBatch = 16;      // whose rays are sorted: they and more fit a cache
-constexpr std::uint32_t kDirections = 4;         // cells of directions along each axis
+constexpr std::size_t kRowsAtOnce = 1 << 12;  // between two calls of progress
+constexpr std::size_t kRowsInBatch = 16;
+constexpr std::size_t kRaysInBatch = 1 << 11;  // are sorted: they and more fit a cache
+constexpr std::uint32_t kDirections = 4;       // cells of directions along each axis
 
 // Fractions of the plastic number's powers in 1/2^32: R2's steps.
 constexpr std::uint32_t kStepU = 3242174889u;
@@ -76,51 +76,54 @@ std::uint32_t cell_of_directions(const Vec3f& direction) {
            along(direction.x);
 }
 
-/// Traces the links of some lobes that lie side by side. Rays that go similar ways follow one
-/// another, so that what they read is in caches.
+/// Rays of some rows that lie side by side. Those that go similar ways follow one another, so that
+/// what they read is in caches.
 class Batch {
   public:
-    Batch(const OctreeView& octree, std::uint32_t rays) : octree_(octree), rays_(rays) {}
-
-    /// Writes the links of the lobes from `first` to before `last`, row after row.
-    void trace(const RayTracer& tracer, std::uint32_t first, std::uint32_t last,
-               std::span<std::uint32_t> links) {
-        const std::size_t count = std::size_t{last - first} * rays_;
-        directions_.resize(count);
-        cell_.resize(count);
-        std::array<std::uint32_t, kDirections * kDirections * kDirections + 1> starts{};
-        for (std::uint32_t lobe = first, i = 0; lobe < last; ++lobe) {
-            const RaysOfLobe of(lobe, normal_of(octree_.lobes[lobe]));
-            for (std::uint32_t ray = 0; ray < rays_; ++ray, ++i) {
-                directions_[i] = of.direction(ray);
-                cell_[i] = cell_of_directions(directions_[i]);
-                ++starts[cell_[i] + 1];
-            }
+    void add(const OctreeView& octree, std::uint32_t lobe, std::uint32_t ray, std::size_t place) {
+        if (rays_.empty() || lobe != lobe_) {
+            lobe_ = lobe;
+            of_lobe_ = RaysOfLobe(lobe, normal_of(octree.lobes[lobe]));
+            from_ = ray_from_lobe(octree, octree.lobes[lobe], {});
         }
-        std::partial_sum(starts.begin(), starts.end(), starts.begin());
-        sorted_.resize(count);
-        link_of_.resize(count);
-        for (std::uint32_t lobe = first, i = 0; lobe < last; ++lobe) {
-            Ray ray = ray_from_lobe(octree_, octree_.lobes[lobe], {});
-            for (std::uint32_t k = 0; k < rays_; ++k, ++i) {
-                ray.direction = directions_[i];
-                const std::uint32_t place = starts[cell_[i]]++;
-                sorted_[place] = ray;
-                link_of_[place] = i;
-            }
-        }
-        hits_.resize(count);
-        tracer.trace(sorted_, hits_);
-        for (std::size_t i = 0; i < count; ++i)
-            links[link_of_[i]] = hits_[i];
+        from_.direction = of_lobe_.direction(ray);
+        rays_.push_back(from_);
+        places_.push_back(place);
     }
 
+    /// Writes what each meets to its place, and is empty again.
+    void trace(const RayTracer& tracer, std::span<std::uint32_t> links) {
+        cells_.resize(rays_.size());
+        std::array<std::uint32_t, kDirections * kDirections * kDirections + 1> starts{};
+        for (std::size_t i = 0; i < rays_.size(); ++i) {
+            cells_[i] = cell_of_directions(rays_[i].direction);
+            ++starts[cells_[i] + 1];
+        }
+        std::partial_sum(starts.begin(), starts.end(), starts.begin());
+        sorted_.resize(rays_.size());
+        place_of_.resize(rays_.size());
+        for (std::size_t i = 0; i < rays_.size(); ++i) {
+            const std::uint32_t at = starts[cells_[i]]++;
+            sorted_[at] = rays_[i];
+            place_of_[at] = places_[i];
+        }
+        hits_.resize(rays_.size());
+        tracer.trace(sorted_, hits_);
+        for (std::size_t i = 0; i < hits_.size(); ++i)
+            links[place_of_[i]] = hits_[i];
+        rays_.clear();
+        places_.clear();
+    }
+
+    std::size_t size() const { return rays_.size(); }
+
   private:
-    const OctreeView& octree_;
-    std::uint32_t rays_;
-    std::vector<Vec3f> directions_;
-    std::vector<std::uint32_t> cell_, link_of_, hits_;
-    std::vector<Ray> sorted_;
+    std::uint32_t lobe_ = 0;
+    RaysOfLobe of_lobe_{0, {0.0f, 0.0f, 1.0f}};
+    Ray from_;
+    std::vector<Ray> rays_, sorted_;
+    std::vector<std::size_t> places_, place_of_;
+    std::vector<std::uint32_t> cells_, hits_;
 };
 
 }  // namespace
@@ -129,29 +132,45 @@ Vec3f link_direction(std::uint32_t lobe, std::uint32_t ray, const Vec3f& normal)
     return RaysOfLobe(lobe, normal).direction(ray);
 }
 
-std::vector<std::uint32_t> trace_links(const OctreeView& octree, const LinkSettings& settings,
-                                       const Progress& progress) {
-    const std::vector<Lobe> closed = close_patches(octree);
-    OctreeView traced = octree;
-    traced.lobes = closed;
-    const RayTracer tracer(traced, settings.trace);
-    const auto lobes = static_cast<std::uint32_t>(closed.size());
-    const std::size_t rays = settings.rays;
-    std::vector<std::uint32_t> links(lobes * rays);
-    for (std::uint32_t begin = 0; begin < lobes; begin += kLobesAtOnce) {
-        if (progress) progress(begin, lobes);
-        const std::uint32_t end = std::min(lobes, begin + kLobesAtOnce);
-        tbb::parallel_for(tbb::blocked_range(begin, end, kLobesInBatch), [&](const auto& range) {
-            Batch batch(traced, settings.rays);
-            for (std::uint32_t first = range.begin(); first < range.end();) {
-                const std::uint32_t last = std::min(range.end(), first + kLobesInBatch);
-                batch.trace(tracer, first, last,
-                            std::span(links).subspan(first * rays, (last - first) * rays));
-                first = last;
+LinkTracer::LinkTracer(const OctreeView& octree, const TraceSettings& settings)
+    : closed_(close_patches(octree)), octree_(octree), tracer_(closed_view(), settings) {}
+
+OctreeView LinkTracer::closed_view() const {
+    OctreeView closed = octree_;
+    closed.lobes = closed_;
+    return closed;
+}
+
+void LinkTracer::trace(const LinkRays& wanted, std::span<std::uint32_t> links,
+                       const Progress& progress) const {
+    const OctreeView closed = closed_view();
+    const std::size_t count = wanted.rows.size();
+    for (std::size_t begin = 0; begin < count; begin += kRowsAtOnce) {
+        if (progress) progress(begin, count);
+        const std::size_t end = std::min(count, begin + kRowsAtOnce);
+        tbb::parallel_for(tbb::blocked_range(begin, end, kRowsInBatch), [&](const auto& range) {
+            Batch batch;
+            for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                const std::uint32_t row = wanted.rows[i];
+                for (std::uint32_t ray = wanted.first; ray < wanted.last; ++ray) {
+                    const std::uint32_t lobe = wanted.lobe_of ? wanted.lobe_of(row, ray) : row;
+                    batch.add(closed, lobe, ray, std::size_t{row} * wanted.stride + ray);
+                }
+                if (batch.size() >= kRaysInBatch) batch.trace(tracer_, links);
             }
+            batch.trace(tracer_, links);
         });
     }
-    if (progress) progress(lobes, lobes);
+    if (progress) progress(count, count);
+}
+
+std::vector<std::uint32_t> trace_links(const OctreeView& octree, const LinkSettings& settings,
+                                       const Progress& progress) {
+    std::vector<std::uint32_t> rows(octree.lobes.size());
+    std::iota(rows.begin(), rows.end(), 0u);
+    std::vector<std::uint32_t> links(octree.lobes.size() * settings.rays);
+    LinkTracer(octree, settings.trace)
+        .trace({rows, 0, settings.rays, settings.rays, {}}, links, progress);
     return links;
 }
 

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "octree/octree_file.h"
 #include "octree/progress.h"
+#include "octree/ray_tracer.h"
 #include "octree/trace.h"
 
 namespace glowworm {
@@ -21,10 +24,40 @@ struct LinkSettings {
 /// point, so that it is the same on every machine. `normal` is unit.
 Vec3f link_direction(std::uint32_t lobe, std::uint32_t ray, const Vec3f& normal);
 
-/// [lobes x settings.rays] hit lobes, kNoHit or kBuried, on all cores; the same on any number of them. Rays
-/// of a lobe are consecutive and the first n of them are a good set for every n. `progress` counts
-/// lobes and may throw to cancel.
+/// [lobes x settings.rays] hit lobes, kNoHit or kBuried, on all cores; the same on any number of
+/// them. Rays of a lobe are consecutive and the first n of them are a good set for every n.
+/// `progress` counts lobes and may throw to cancel.
 std::vector<std::uint32_t> trace_links(const OctreeView& octree, const LinkSettings& settings,
                                        const Progress& progress = {});
+
+/// Rays of rows of links, `stride` apart: of each of `rows` the rays from `first` to before `last`.
+struct LinkRays {
+    std::span<const std::uint32_t> rows;
+    std::uint32_t first = 0, last = 0;
+    std::uint32_t stride = 0;
+    /// The lobe that a row's ray leaves; where it is empty, that of the row's number.
+    std::function<std::uint32_t(std::uint32_t row, std::uint32_t ray)> lobe_of;
+};
+
+/// Traces links a part at a time: some rows, or the first rays of each before the others.
+class LinkTracer {
+  public:
+    /// The octree must outlive it.
+    LinkTracer(const OctreeView& octree, const TraceSettings& settings);
+    LinkTracer(const LinkTracer&) = delete;
+    LinkTracer& operator=(const LinkTracer&) = delete;
+
+    /// Writes the lobes that are met to their places among `links`, on all cores; what lies
+    /// elsewhere among them is not touched, and may be read meanwhile. `progress` counts rows.
+    void trace(const LinkRays& wanted, std::span<std::uint32_t> links,
+               const Progress& progress = {}) const;
+
+  private:
+    OctreeView closed_view() const;
+
+    std::vector<Lobe> closed_;
+    OctreeView octree_;
+    RayTracer tracer_;
+};
 
 }  // namespace glowworm

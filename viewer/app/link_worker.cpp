@@ -1,33 +1,56 @@
 #include "viewer/app/link_worker.h"
 
+#include <algorithm>
+#include <numeric>
+
 #include "octree/error.h"
 
 namespace glowworm {
+namespace {
 
-LinkWorker::LinkWorker(const OctreeView& octree, const LinkSettings& settings) {
-    thread_ = std::thread([this, octree, settings] {
+// A gather by 16 rays takes less time than one by six cones, and comes nearer.
+constexpr std::uint32_t kFirstRays = 16;
+
+}  // namespace
+
+LinkWorker::LinkWorker(const OctreeView& octree, const LinkSettings& settings)
+    : settings_(settings) {
+    thread_ = std::thread([this, octree] {
         try {
-            links_ = trace_links(octree, settings, [this](std::uint64_t done, std::uint64_t total) {
-                if (cancelled_) throw Error(ExitCode::kCancelled, "cancelled");
-                share_done_ = total > 0 ? double(done) / double(total) : 0.0;
-            });
+            trace(octree);
         } catch (...) {
             failure_ = std::current_exception();
+            failed_ = true;
         }
-        finished_ = true;
     });
 }
 
 LinkWorker::~LinkWorker() {
     cancelled_ = true;
-    if (thread_.joinable()) thread_.join();
+    thread_.join();
 }
 
-std::optional<std::vector<std::uint32_t>> LinkWorker::take() {
-    if (!finished_ || !thread_.joinable()) return std::nullopt;
-    thread_.join();
-    if (failure_) std::rethrow_exception(failure_);
-    return std::move(links_);
+void LinkWorker::trace(const OctreeView& octree) {
+    const LinkTracer tracer(octree, settings_.trace);
+    std::vector<std::uint32_t> rows(octree.lobes.size());
+    std::iota(rows.begin(), rows.end(), 0u);
+    links_.resize(rows.size() * settings_.rays);
+    LinkRays rays{rows, 0, std::min(kFirstRays, settings_.rays), settings_.rays, {}};
+    while (rays.first < settings_.rays) {
+        tracer.trace(rays, links_, [&](std::uint64_t done, std::uint64_t total) {
+            if (cancelled_) throw Error(ExitCode::kCancelled, "cancelled");
+            const double of_these = total > 0 ? double(done) / double(total) : 1.0;
+            share_done_ = (rays.first + of_these * (rays.last - rays.first)) / settings_.rays;
+        });
+        rays_ready_ = rays.last;
+        rays.first = rays.last;
+        rays.last = std::min(2 * rays.last, settings_.rays);
+    }
+}
+
+std::uint32_t LinkWorker::rays_ready() const {
+    if (failed_) std::rethrow_exception(failure_);
+    return rays_ready_;
 }
 
 }  // namespace glowworm

@@ -17,28 +17,42 @@ constexpr auto kInjectTime = std::chrono::milliseconds(50);  // between two fram
 
 LiveLight::LiveLight(const Context& context, const OctreeView& octree, const Scene& scene,
                      const LightSettings& settings, std::optional<int> bounces)
-    : context_(context),
-      octree_(octree),
-      scene_(scene),
-      settings_(settings),
-      most_bounces_(bounces) {
-    field_ = std::make_unique<LightField>(context, octree_, scene, settings);
+    : settings_(settings), most_bounces_(bounces) {
+    field_ = std::make_unique<LightField>(context, octree, scene, settings);
+    const bool links = settings.gather == Gather::kLinks && !settings.faithful;
     const bool baked = octree.links_per_lobe >= settings.links;
     if (bounces == 0) {
-        settled_ = true;
-    } else if (settings.gather == Gather::kLinks && context.device().software && !baked) {
+        settled_ = all_traced_ = true;
+    } else if (links && context.device().software && !baked) {
         worker_ = std::make_unique<LinkWorker>(
-            octree_, LinkSettings{.rays = settings.links, .trace = settings.trace});
+            octree, LinkSettings{.rays = settings.links, .trace = settings.trace});
     }
 }
 
 void LiveLight::set_scene(const Scene& scene) {
-    scene_ = scene;
     field_->set_scene(scene);
     settled_ = most_bounces_ == 0;
-    bounces_ = 0;
     residuals_.clear();
-    if (most_bounces_) field_->forget_indirect();  // so many bounces of these lights, not of others
+    begin_bounces();
+}
+
+void LiveLight::begin_bounces() {
+    bounces_ = 0;
+    if (most_bounces_) field_->forget_indirect();  // so many bounces of this light, not of other
+}
+
+/// Whether light now goes along more rays than before.
+bool LiveLight::take_rays() {
+    const std::uint32_t before = field_->links().rays();
+    if (worker_) {
+        const std::uint32_t ready = worker_->rays_ready();
+        if (ready > before) field_->use_links(worker_->first_rays(ready));
+        all_traced_ = ready == settings_.links;
+    } else if (settled_ || before == 0) {  // what is there is shown settled before more is traced
+        const bool more = field_->prepare_more();
+        all_traced_ = !more || field_->links().rays() == settings_.links;
+    }
+    return field_->links().rays() > before;
 }
 
 /// True where direct light has not reached all lobes by the end of that while.
@@ -52,23 +66,20 @@ bool LiveLight::inject_for_a_while() {
 }
 
 bool LiveLight::advance() {
-    if (settled_) return false;
-    if (worker_) {
-        auto links = worker_->take();
-        if (!links) return false;
-        links_ = std::move(*links);
-        octree_.links = links_;
-        octree_.links_per_lobe = settings_.links;
-        field_ = std::make_unique<LightField>(context_, octree_, scene_, settings_);
-        worker_.reset();
-    }
+    if (settled()) return false;
     injecting_ = inject_for_a_while();
     if (injecting_) return false;
+    if (!all_traced_ && take_rays()) {
+        settled_ = false;
+        begin_bounces();
+    }
+    const bool nothing_to_follow = worker_ && field_->links().rays() == 0;
+    if (settled_ || nothing_to_follow) return false;
     const int most = most_bounces_.value_or(kBouncesEnough);
-    const int now = std::min(kBouncesAtOnce, most - bounces_);
+    const int now = most_bounces_ ? most : std::min(kBouncesAtOnce, most - bounces_);
     if (most_bounces_) {
-        bounces_ += now;
-        field_->iterate(now, bounces_ >= most);
+        bounces_ = now;
+        field_->iterate(now);
     } else {
         const Convergence result = field_->converge(kTolerance, now);
         bounces_ += std::max(result.bounces, 1);
@@ -80,13 +91,21 @@ bool LiveLight::advance() {
 }
 
 std::string LiveLight::status() const {
-    if (worker_) return fmt::format("tracing links, {:.0f} %", worker_->share_done() * 100.0);
     if (most_bounces_ == 0) return "direct only";
+    const std::uint32_t rays = field_->links().rays();
     if (injecting_) {
-        return fmt::format("direct light reaches the walls, {:.0f} %",
-                           field_->share_injected() * 100.0);
+        return fmt::format("{}direct light reaches the walls, {:.0f} %",
+                           rays == 0 ? "direct only; " : "", field_->share_injected() * 100.0);
     }
-    return fmt::format("{} {} bounces", settled_ ? "settled after" : "propagating,", bounces_);
+    if (worker_ && rays == 0) {
+        return fmt::format("direct only; tracing links, {:.0f} %", worker_->share_done() * 100.0);
+    }
+    const std::string light =
+        fmt::format("{} {} bounces", settled_ ? "settled after" : "propagating,", bounces_);
+    if (all_traced_ || rays == 0) return light;
+    const double share = worker_ ? worker_->share_done() : double(rays) / double(settings_.links);
+    return fmt::format("a preview by {} of {} rays a lobe, {}; tracing links, {:.0f} %", rays,
+                       settings_.links, light, share * 100.0);
 }
 
 }  // namespace glowworm

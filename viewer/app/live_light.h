@@ -12,19 +12,21 @@
 
 namespace glowworm {
 
-/// Light that goes on propagating while a window draws: links are traced beside its thread where
-/// OpenGL runs on the CPU, and each frame adds a few bounces until the light settles.
+/// Light that goes on propagating while a window draws. The first picture shows direct light; each
+/// frame adds a few bounces along the first rays of every lobe, a preview, until the light settles,
+/// and goes on from there when more rays are traced. Where OpenGL runs on the CPU they are traced
+/// beside the window's thread, else a step between two frames.
 class LiveLight {
   public:
     LiveLight(const Context& context, const OctreeView& octree, const Scene& scene,
               const LightSettings& settings, std::optional<int> bounces);
 
     void set_scene(const Scene& scene);
-    /// A few bounces, or the links when they have arrived. True where the light has changed.
+    /// A few bounces, along more rays where they have arrived. True where the light has changed.
     bool advance();
 
     const LightField& field() const { return *field_; }
-    bool settled() const { return settled_; }
+    bool settled() const { return settled_ && all_traced_; }
     /// Whether advance() did what does not show yet, and there is more of it to do.
     bool injecting() const { return injecting_; }
     std::string status() const;  ///< for people
@@ -33,19 +35,18 @@ class LiveLight {
 
   private:
     bool inject_for_a_while();
+    void begin_bounces();
+    bool take_rays();
 
-    const Context& context_;
-    OctreeView octree_;
-    Scene scene_;
     LightSettings settings_;
     std::optional<int> most_bounces_;
-    std::unique_ptr<LinkWorker> worker_;
-    std::vector<std::uint32_t> links_;  // what octree_.links shows once the worker is done
+    std::unique_ptr<LinkWorker> worker_;  // outlives the field that uses its links
     std::unique_ptr<LightField> field_;
     std::vector<float> residuals_;
+    bool all_traced_ = false;  // or whatever else light goes along
     bool settled_ = false;
     bool injecting_ = false;
-    int bounces_ = 0;  // since the lights last changed
+    int bounces_ = 0;  // since the lights or the rays last changed
 };
 
 }  // namespace glowworm

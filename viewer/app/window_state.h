@@ -71,7 +71,7 @@ struct WindowState {
     LightSettings light;
     bool limit_bounces = false;
     int bounces = 4;
-    std::string light_status;      ///< "tracing 40 %", "settled after 12 bounces"
+    std::string light_status;      ///< "direct only", "settled after 12 bounces"
     std::vector<float> residuals;  ///< relative change by each step since the lamps changed
     std::string scene_file;
 

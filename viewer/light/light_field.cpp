@@ -12,9 +12,10 @@ namespace {
 constexpr std::size_t kGroup = 64;
 constexpr std::size_t kLobesAtOnce = 1 << 16;  // a dispatch stays short enough for a display's GPU
 constexpr int kLeastBounces = 2;
-constexpr double kFarthest = 1e7;        // m
-constexpr std::int32_t kProbeRows = 16;  // AREA_SAMPLES of probe_direct.comp
-constexpr std::int32_t kRowsAtOnce = 2;  // direct_light.glsl says why not all
+constexpr std::uint32_t kFirstRays = 16;  // of a lobe, traced before the first bounce of a preview
+constexpr double kFarthest = 1e7;         // m
+constexpr std::int32_t kProbeRows = 16;   // AREA_SAMPLES of probe_direct.comp
+constexpr std::int32_t kRowsAtOnce = 2;   // direct_light.glsl says why not all
 
 /// Of each probe, its direct and its indirect irradiance.
 std::vector<ProbeResult> probe_results(std::span<const gpu::vec4> measured) {
@@ -138,13 +139,35 @@ void LightField::show_to_cones() const {
 }
 
 void LightField::prepare(const Progress& progress) {
-    if (!links_.empty() || cones_ || octree_.lobes.empty()) return;
+    if (octree_.lobes.empty()) return;
+    prepare_rays(GpuLinks::kAllRays, progress);
+    bind();
+    while (links_.trace_more(progress)) {
+    }
+}
+
+bool LightField::prepare_more() {
+    if (octree_.lobes.empty()) return false;
+    if (links_.empty() && !cones_) {
+        prepare_rays(kFirstRays, {});
+        return true;
+    }
+    bind();
+    return links_.trace_more();
+}
+
+void LightField::prepare_rays(std::uint32_t rays, const Progress& progress) {
+    if (!links_.empty() || cones_) return;
     bind();
     if (settings_.gather == Gather::kCones || settings_.faithful) {
         cones_.emplace(octree_, settings_);
         return;
     }
-    links_ = GpuLinks(context_, octree_, settings_, progress);
+    links_ = GpuLinks(context_, octree_, settings_, progress, rays);
+}
+
+void LightField::use_links(const LinkRows& rows) {
+    links_ = GpuLinks(rows);
 }
 
 void LightField::forget_indirect() {
@@ -201,7 +224,7 @@ void LightField::publish(bool smooth) {
 
 void LightField::iterate(int bounces, bool at_rest) {
     if (bounces <= 0 || octree_.lobes.empty()) return;
-    prepare();
+    prepare_rays(GpuLinks::kAllRays, {});
     for (int i = 0; i < bounces; ++i) {
         gather();
         std::swap(indirect_, gathered_);
@@ -212,7 +235,7 @@ void LightField::iterate(int bounces, bool at_rest) {
 Convergence LightField::converge(double tolerance, int max_bounces) {
     Convergence result;
     if (octree_.lobes.empty()) return {.settled = true};
-    prepare();
+    prepare_rays(GpuLinks::kAllRays, {});
     Anderson anderson(octree_.lobes.size());
     while (result.bounces < max_bounces && !result.settled) {
         gather();

@@ -58,8 +58,15 @@ class LightField {
     double share_injected() const;  ///< 0..1
 
     /// Makes ready what bounces need, once: cones, or links, baked ones where the file has them,
-    /// else traced, on the CPU where OpenGL runs on it too. The first bounce calls it.
+    /// else traced, on the CPU where OpenGL runs on it too. The first bounce calls it where nothing
+    /// is ready.
     void prepare(const Progress& progress = {});
+
+    /// The same in steps, each between two pictures: a few rays of every lobe, then as many again.
+    /// On the CPU it is one step. False where there was no more to do.
+    bool prepare_more();
+    /// Light goes along these links from now on, from what it is; what keeps them outlives this.
+    void use_links(const LinkRows& rows);
 
     void forget_indirect();  ///< back to direct light only
     /// `at_rest`: more will not follow at once, so that smoothing (below) is worth its time.
@@ -89,6 +96,7 @@ class LightField {
     const LightSettings& settings() const { return settings_; }
 
   private:
+    void prepare_rays(std::uint32_t rays, const Progress& progress);  // at least so many
     void inject() const;         // what is left of it
     bool runs_compiled() const;  // what has a twin in compiled code
     const RayTracer& tracer() const;

@@ -19,15 +19,23 @@ namespace glowworm {
 /// links in blocks of lobes, each small enough to be bound.
 class GpuLinks {
   public:
+    static constexpr std::uint32_t kAllRays = 1024;
+
     GpuLinks() = default;
     /// Takes the octree's baked links where they have at least as many rays, else traces them: on
-    /// all CPU cores where OpenGL runs on the CPU, else on the GPU, whose octree is bound. The
-    /// octree must outlive it.
+    /// all CPU cores where OpenGL runs on the CPU, else on the GPU, whose octree is bound, there
+    /// `first_rays` for now. The octree must outlive it.
     GpuLinks(const Context& context, const OctreeView& octree, const LightSettings& settings,
-             const Progress& progress);
+             const Progress& progress, std::uint32_t first_rays = kAllRays);
+    /// Links in the process' memory that something else has traced and keeps.
+    explicit GpuLinks(const LinkRows& rows);
+    /// Traces as many rays again as there are, on the GPU, whose octree is bound. False where there
+    /// are all that the settings ask for.
+    bool trace_more(const Progress& progress = {});
 
     bool empty() const { return blocks_.empty() && rows_.links.empty(); }
-    std::uint32_t rays() const { return rows_.rays; }
+    std::uint32_t rays() const { return rows_.rays; }  ///< of a lobe, so far
+    std::uint32_t all_rays() const { return all_rays_; }
     /// Links in the process' memory; nothing where the GPU has them.
     const LinkRows* on_cpu() const { return rows_.links.empty() ? nullptr : &rows_; }
 
@@ -38,7 +46,7 @@ class GpuLinks {
     /// first lobe, its last and the rays.
     void over_blocks(const Program& pass) const;
 
-    /// [lobes x rays], for comparison with the CPU's.
+    /// [lobes x rays()], for comparison with the CPU's.
     std::vector<std::uint32_t> read() const;
 
   private:
@@ -48,9 +56,13 @@ class GpuLinks {
     };
     void make_blocks(const Context& context);
     void upload();
-    void trace(const Progress& progress);
+    struct Rays {
+        std::uint32_t first, last;
+    };
+    void trace(Rays rays, const Progress& progress);
 
     std::uint32_t lobes_ = 0;
+    std::uint32_t all_rays_ = 0;  // of a lobe, once they are traced
     LinkRows rows_;
     std::vector<std::uint32_t> traced_;
     std::vector<Block> blocks_;
