@@ -3,7 +3,7 @@
 
     pipeline.py prediction GLOWWORM DATA [SET...]   predicted and real depth, leaves, memory, disk and time
     pipeline.py throughput GLOWWORM SCANS [FLAG...] points a second, share of time and CPU use of each stage
-    pipeline.py memory GLOWWORM MEGABYTES           the peak of each command under a limit of a fifth of its input
+    pipeline.py memory GLOWWORM MEGABYTES [COMMAND...]  the peak of each command under a limit of a fifth of its input
 
 DATA is the folder of real scans that the tests take from GLOWWORM_DATA; SCANS is what simulate_cave wrote.
 """
@@ -187,8 +187,8 @@ def rolling_ground(path, count):
                 file.write(rows.tobytes())
 
 
-def memory(program, megabytes):
-    """Each command on an input of five times the limit: under it, or refused at once."""
+def memory(program, megabytes, *names):
+    """Each command, or those named, on an input of five times the limit: under it, or refused at once."""
     limit = int(megabytes) * 1000000
     identity = "[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]"
     with tempfile.TemporaryDirectory() as folder:
@@ -218,6 +218,8 @@ def memory(program, megabytes):
         print("| command | ended with | peak, MB | of the limit | processor s | wall s | said |")
         print("|---|---|---|---|---|---|---|")
         for name, words in steps:
+            if names and words[0] not in names:
+                continue
             run = Ran([program, *words, "--memory-limit", limit, "--temp-dir", folder])
             said = run.err.strip().split("\n")[-1][:160] if run.code else ""
             print(f"| {name} | {run.code} | {run.peak / 1e6:.0f} | {run.peak / limit:.0%} | {run.cpu:.1f} "

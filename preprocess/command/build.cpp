@@ -12,6 +12,7 @@
 #include "octree/spill.h"
 #include "preprocess/command/command.h"
 #include "preprocess/command/grid_file.h"
+#include "preprocess/command/plan.h"
 #include "preprocess/command/stage_flags.h"
 #include "preprocess/surface/surfel_file.h"
 
@@ -65,16 +66,9 @@ SurfelStream open_stream(const BuildCommandFlags& flags, std::uint64_t memory_li
 
 /// Traces the links of the octree in `file` and writes it with them under `output`.
 void write_with_links(const std::filesystem::path& file, std::uint32_t links, Run& run) {
+    page_memory(run);
     const OctreeFile unlinked = OctreeFile::open(file);
     OctreeView octree = unlinked.view();
-    const std::uint64_t bytes =
-        octree.lobes.size() * (links * sizeof(std::uint32_t) + sizeof(Lobe));
-    if (run.flags.memory_limit > 0 && bytes > run.flags.memory_limit / 2) {
-        throw Error(ExitCode::kBudget,
-                    fmt::format("{} links a lobe take {} of memory; raise --memory-limit or trace "
-                                "fewer with --links",
-                                links, format_bytes(bytes)));
-    }
     const std::vector<std::uint32_t> traced =
         trace_links(octree, {.rays = links}, run.console.phase("links", "lobes"));
     octree.links = traced;

@@ -1,9 +1,11 @@
 #include "octree/check.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "octree/error.h"
 #include "preprocess/command/command.h"
+#include "preprocess/command/plan.h"
 
 namespace glowworm {
 
@@ -12,6 +14,7 @@ void add_check_command(Program& program) {
     CLI::App* command = program.add(
         "check", "every checksum and structural invariant of an octree file", false,
         [file](Run& run) -> nlohmann::ordered_json {
+            page_memory(run);
             const std::vector<std::string> failures = check_octree_file(*file);
             nlohmann::ordered_json result = {
                 {"file", file->string()}, {"ok", failures.empty()}, {"failures", failures}};
@@ -20,7 +23,7 @@ void add_check_command(Program& program) {
                 return result;
             }
             for (const std::string& failure : failures)
-                fmt::print(stderr, "{}\n", failure);
+                spdlog::error("{}", failure);
             if (run.flags.json) fmt::print("{}\n", result.dump(2));
             throw Error(ExitCode::kCheckFailed,
                         fmt::format("'{}' fails {}; make it anew", file->string(),

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "octree/error.h"
@@ -14,15 +15,23 @@ namespace glowworm {
 namespace {
 
 volatile std::sig_atomic_t cancel_requested = 0;
+const char* said_at_the_end = nullptr;
 
 constexpr auto kShortestInterval = std::chrono::milliseconds(100);
 constexpr int kBarWidth = 24;
 
 }  // namespace
 
-void install_signal_handlers() {
+void install_signal_handlers(const char* last_words) {
+    said_at_the_end = last_words;
     struct sigaction action = {};
-    action.sa_handler = [](int) { cancel_requested = 1; };
+    action.sa_handler = [](int) {
+        cancel_requested = 1;
+        if (said_at_the_end == nullptr) return;
+        [[maybe_unused]] const ssize_t said =
+            ::write(STDERR_FILENO, said_at_the_end, std::strlen(said_at_the_end));
+        ::_exit(static_cast<int>(ExitCode::kCancelled));
+    };
     // A second signal ends the program at once, for work that takes long to listen.
     action.sa_flags = static_cast<int>(SA_RESETHAND);
     ::sigaction(SIGINT, &action, nullptr);

@@ -39,9 +39,10 @@ class Console {
     std::chrono::steady_clock::time_point started_, last_shown_;
 };
 
-/// SIGINT and SIGTERM ask to stop: the next progress report throws. A file that grows beyond the
-/// user's limit (SIGXFSZ) becomes a failed write.
-void install_signal_handlers();
+/// SIGINT and SIGTERM ask to stop: the next progress report throws; or, for a command that writes
+/// nothing, they end the program at once with kCancelled and `last_words`, which live as long as
+/// the program. A file that grows beyond the user's limit (SIGXFSZ) becomes a failed write.
+void install_signal_handlers(const char* last_words = nullptr);
 
 /// Throws Error (kCancelled) once the user has asked to stop.
 void throw_if_cancelled();

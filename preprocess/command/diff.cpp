@@ -4,6 +4,7 @@
 
 #include "octree/octree_file.h"
 #include "preprocess/command/command.h"
+#include "preprocess/command/plan.h"
 
 namespace glowworm {
 namespace {
@@ -69,6 +70,7 @@ void add_diff_command(Program& program) {
     CLI::App* command = program.add(
         "diff", "what differs between two octree files, by section and level", false,
         [flags](Run& run) {
+            page_memory(run);
             const OctreeFile a = OctreeFile::open(flags->a), b = OctreeFile::open(flags->b);
             require_sound(a, flags->a);
             require_sound(b, flags->b);

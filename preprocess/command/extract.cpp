@@ -9,6 +9,7 @@
 #include "octree/octree_writer.h"
 #include "octree/pack.h"
 #include "preprocess/command/command.h"
+#include "preprocess/command/plan.h"
 #include "preprocess/command/stage_flags.h"
 #include "preprocess/points.h"
 #include "preprocess/write/cloud_writer.h"
@@ -50,16 +51,22 @@ nlohmann::ordered_json run_extract(Run& run, const ExtractFlags& flags) {
                     "the box's first corner must be its lower one: x y z, then x y z");
     }
     if (flags.level) check_cloud_extension(output);
+    page_memory(run);
+    const Progress progress = run.console.phase("extract", "steps");
+    progress(0, 1);
     const OctreeFile file = OctreeFile::open(flags.input);
     if (flags.level) {
         require_sound(file, flags.input,
                       {SectionKind::kLevels, SectionKind::kNodes, SectionKind::kAttributes});
+        throw_if_cancelled();
         const std::vector<Voxel> voxels = extract_level(file.view(), *flags.level);
         file.require_intact();
+        throw_if_cancelled();
         write_cloud(to_cloud(voxels, file.view().grid.origin), output);
         return {{"output", output.string()}, {"level", *flags.level}, {"voxels", voxels.size()}};
     }
     require_sound(file, flags.input);
+    throw_if_cancelled();
     const Vec3d origin = file.view().grid.origin;
     const Vec3d low{flags.box[0], flags.box[1], flags.box[2]},
         high{flags.box[3], flags.box[4], flags.box[5]};

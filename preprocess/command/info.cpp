@@ -3,6 +3,7 @@
 #include "octree/error.h"
 #include "preprocess/command/command.h"
 #include "preprocess/command/octree_info.h"
+#include "preprocess/command/plan.h"
 #include "preprocess/command/scan_info.h"
 #include "preprocess/command/stage_flags.h"
 
@@ -46,6 +47,7 @@ void add_info_command(Program& program) {
                 require_writable_output(flags->plot, run.flags.force);
                 require_distinct(flags->plot, {flags->file});
             }
+            if (octree) page_memory(run);
             return octree ? octree_info(flags->file, run.flags.json, flags->plot)
                           : scan_info(flags->file, flags->read, run);
         });

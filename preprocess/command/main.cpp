@@ -87,10 +87,15 @@ int run(int argc, char** argv) {
     }
     require_folders(flags);
     set_up_log(flags, *app.get_subcommands().front());
-    install_signal_handlers();
+    const char* cancelled = flags.progress == "json"
+                                ? "{\"log\":\"error\",\"sentence\":\"cancelled\"}\n"
+                                : "glowworm: cancelled\n";
+    install_signal_handlers(flags.output.empty() || flags.dry_run ? cancelled : nullptr);
     const int threads = flags.threads > 0 ? flags.threads : tbb::info::default_concurrency();
-    const tbb::global_control at_most(tbb::global_control::max_allowed_parallelism,
-                                      static_cast<std::size_t>(threads));
+    // Never let go: that would start threads, for which there may be no memory.
+    static const auto* const at_most = new tbb::global_control(
+        tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    static_cast<void>(at_most);
     limit_memory(flags.memory_limit, threads);
 
     Console console(

@@ -75,7 +75,8 @@ std::uint64_t paged(const SharedFlags& flags, const Needs& needs) {
 
 /// The folder of what is not the result.
 fs::path work_place(const SharedFlags& flags) {
-    return flags.temp_dir.empty() ? folder_of(flags.output) : flags.temp_dir;
+    if (!flags.temp_dir.empty()) return flags.temp_dir;
+    return flags.output.empty() ? fs::temp_directory_path() : folder_of(flags.output);
 }
 
 /// The folders that are written to, and how many bytes into each.
@@ -161,14 +162,19 @@ int thread_count(const SharedFlags& flags) {
     return flags.threads > 0 ? flags.threads : tbb::info::default_concurrency();
 }
 
+void page_memory(Run& run) {
+    if (run.flags.memory_limit == 0 || run.paged) return;
+    run.paged = std::make_unique<PagedMemory>(work_place(run.flags), run.flags.memory_limit);
+    limit_memory_beside_pages(run.flags.memory_limit, thread_count(run.flags));
+}
+
 void require_budget(Run& run, const Prediction& prediction, Reach reach) {
     require_room(run.flags, prediction, reach);
     const Needs needs = needs_of(prediction, reach);
     if (!may_exceed(run.flags, prediction, needs) || run.paged) return;
     spdlog::info("about {} of memory are needed: what exceeds --memory-limit lies in files in '{}'",
                  format_bytes(needs.memory), work_place(run.flags).string());
-    run.paged = std::make_unique<PagedMemory>(work_place(run.flags), run.flags.memory_limit);
-    limit_memory_beside_pages(run.flags.memory_limit, thread_count(run.flags));
+    page_memory(run);
 }
 
 void require_budget(Run& run, const std::vector<fs::path>& files, const ConvertSettings& settings,

@@ -12,6 +12,10 @@ namespace glowworm {
 /// How far a command goes: what of a Prediction concerns it.
 enum class Reach { kRegister, kMerge, kSurface, kAll };
 
+/// From here on large blocks and mapped octrees are held to --memory-limit (paged_memory.h), where
+/// there is one: for commands that read octrees, which take as much as those are large.
+void page_memory(Run& run);
+
 /// Refuses at once what cannot fit: throws Error (kBudget), with the size that is needed, where
 /// --memory-limit leaves no room to work in, or the folders of output and temporary files have too
 /// little space, even if the prediction is too high by its own error. From here on work that may

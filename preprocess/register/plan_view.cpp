@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "octree/error.h"
@@ -249,8 +250,7 @@ int legend_width(const Plan& plan) {
 
 }  // namespace
 
-void write_plan_view(std::span<const Scan> scans, const Poses& poses,
-                     const std::filesystem::path& file, std::uint32_t pixels) {
+Picture draw_plan_view(std::span<const Scan> scans, const Poses& poses, std::uint32_t pixels) {
     if (pixels < 64 || pixels > 8192)
         throw Error(ExitCode::kUsage, "a plan view is 64 to 8192 pixels wide");
     const Plan plan = plan_of(scans, poses);
@@ -265,7 +265,12 @@ void write_plan_view(std::span<const Scan> scans, const Poses& poses,
     // Coordinates of a national grid have north along Y; others only say where Y is.
     draw_arrow(canvas, legend + kArrow, canvas.height - kLineHeight, kArrow,
                poses.origin != Vec3d{} ? "north" : "y axis", kPale);
-    write_png(canvas, file);
+    return std::move(static_cast<Picture&>(canvas));
+}
+
+void write_plan_view(std::span<const Scan> scans, const Poses& poses,
+                     const std::filesystem::path& file, std::uint32_t pixels) {
+    write_png(draw_plan_view(scans, poses, pixels), file);
 }
 
 }  // namespace glowworm
