@@ -4,6 +4,8 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <memory>
+#include <new>
 #include <string>
 
 namespace glowworm {
@@ -37,17 +39,34 @@ void check_padding(const OctreeFile& file, Sentences& sentences) {
     }
 }
 
+/// In pieces, between which it can be stopped.
+XXH64_hash_t hash_of(std::span<const char> bytes, const std::stop_token& stop) {
+    constexpr std::size_t kPiece = std::size_t{16} << 20;
+    const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(),
+                                                                         &XXH3_freeState);
+    if (!state) throw std::bad_alloc();
+    XXH3_64bits_reset(state.get());
+    while (!bytes.empty() && !stop.stop_requested()) {
+        const auto piece = bytes.first(std::min(kPiece, bytes.size()));
+        XXH3_64bits_update(state.get(), piece.data(), piece.size());
+        bytes = bytes.subspan(piece.size());
+    }
+    return XXH3_64bits_digest(state.get());
+}
+
 }  // namespace
 
-Sentences check_checksums(const OctreeFile& file, std::initializer_list<SectionKind> kinds) {
+Sentences check_checksums(const OctreeFile& file, std::initializer_list<SectionKind> kinds,
+                          const std::stop_token& stop) {
     const FileHeader& header = file.header();
     std::vector<std::uint8_t> wrong(header.section_count, 0);
     tbb::parallel_for(std::uint32_t{0}, header.section_count, [&](std::uint32_t i) {
         const SectionEntry& s = header.sections[i];
         if (!is_wanted(s.kind, kinds)) return;
         const auto bytes = file.contents().subspan(s.offset, s.count * s.record_bytes);
-        wrong[i] = XXH3_64bits(bytes.data(), bytes.size()) != s.checksum;
+        wrong[i] = hash_of(bytes, stop) != s.checksum;
     });
+    if (stop.stop_requested()) return {};
     Sentences sentences;
     for (std::uint32_t i = 0; i < header.section_count; ++i) {
         if (!wrong[i]) continue;

@@ -15,7 +15,7 @@ layout(location = 1) uniform uint curve;
 layout(location = 2) uniform uint layer;
 layout(location = 3) uniform int level;
 
-const uint kVoxels = 7u, kOpacity = 8u;
+const uint kVoxels = 8u, kOpacity = 9u;
 const float kInside = 0.02;   // leaf edges: the drawn surface lies a little in front of its leaf
 
 // A colour that differs from its neighbours'.

@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
+
 #include <gtest/gtest.h>
+#include <iostream>
 
 #include <cmath>
 
@@ -59,6 +61,28 @@ TEST(ClipBox, DrawsWhatLiesInItAndNothingElse) {
     EXPECT_GT(drawn, 4 * inside) << "the far wall, floor and ceiling";
 }
 
+TEST(Inspector, ShowsPointsWithoutLightWhereSurfacesAreAllThereIs) {
+    LitRoom room;
+    Camera camera;
+    camera.position = {-1.0, 0.0, 1.2};
+    camera.look_at = {2.0, 0.0, 1.2};
+    camera.width = kWidth;
+    camera.height = kHeight;
+    room.frame.draw_surfaces(view_of(camera), Frame::Missing::kWaitFor);
+    Inspector inspector;
+    const Texture target("target", GL_RGBA8, kWidth, kHeight);
+    inspector.draw(room.frame, nullptr, {Layer::kUnlit, 0, 0.0, ToneCurve::kLinear}, target);
+    std::vector<std::uint32_t> pixels(kWidth * kHeight);
+    glGetTextureImage(target.name(), 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                      static_cast<GLsizei>(pixels.size() * 4), pixels.data());
+    const auto red = [&](int x, int y) { return int(pixels[std::size_t(y * kWidth + x)] & 255u); };
+    std::cout << "a wall face on " << red(kWidth / 2, kHeight / 2) << ", along the sight "
+              << red(2, kHeight / 2) << "\n";
+    EXPECT_GT(red(kWidth / 2, kHeight / 2), red(2, kHeight / 2) + 20);
+    EXPECT_GT(red(2, kHeight / 2), 0);
+    EXPECT_THAT(room.context.errors(), ::testing::IsEmpty());
+}
+
 TEST(Inspector, ShowsTheCellsOfALevelAndWhatTheyRadiate) {
     LitRoom room;
     Camera camera;
@@ -70,7 +94,7 @@ TEST(Inspector, ShowsTheCellsOfALevelAndWhatTheyRadiate) {
     Inspector inspector;
     const Texture target("target", GL_RGBA8, kWidth, kHeight);
     const auto colours_of = [&](Layer layer, int level) {
-        inspector.draw(room.frame, room.light, {layer, level, 0.0, ToneCurve::kLinear}, target);
+        inspector.draw(room.frame, &room.light, {layer, level, 0.0, ToneCurve::kLinear}, target);
         std::vector<std::uint32_t> pixels(kWidth * kHeight);
         glGetTextureImage(target.name(), 0, GL_RGBA, GL_UNSIGNED_BYTE,
                           static_cast<GLsizei>(pixels.size() * 4), pixels.data());

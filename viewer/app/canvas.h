@@ -9,6 +9,7 @@ class Canvas {
   public:
     /// Somewhere to draw a frame of `width` x `height` pixels.
     const Texture& target(int width, int height);
+    bool empty() const { return texture_.width() == 0; }
     /// Copies it over the window's framebuffer of that size.
     void present(int window_width, int window_height) const;
     const Framebuffer& framebuffer() const { return framebuffer_; }

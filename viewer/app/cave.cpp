@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "octree/checksums.h"
 #include "octree/coarsen.h"
 #include "octree/error.h"
 #include "octree/structure.h"
@@ -57,7 +56,7 @@ void fit_memory(Cave& cave, const std::filesystem::path& path, const LightLevel&
 }  // namespace
 
 Cave open_cave(const std::filesystem::path& path, const LightLevel& level) {
-    Cave cave{OctreeFile::open(path), {}, {}};
+    Cave cave{OctreeFile::open(path), {}};
     const auto failures = check_structure(cave.points());
     cave.file.require_intact();
     if (!failures.empty()) {
@@ -66,14 +65,6 @@ Cave open_cave(const std::filesystem::path& path, const LightLevel& level) {
                                 "it, `glowworm build` makes it anew",
                                 path.string(), failures.front()));
     }
-    // All of it is about to be read for the GPU: comparing checksums costs some GB a second more.
-    // What was changed but stays inside can be looked at.
-    cave.damage = check_checksums(cave.file);
-    for (const std::string& sentence : cave.damage) {
-        spdlog::warn("'{}' is damaged: {}; what is shown of it may be wrong", path.string(),
-                     sentence);
-    }
-    cave.file.require_intact();
     const std::uint32_t depth = cave.points().grid.depth;
     if (level.depth && *level.depth > depth) {
         throw Error(ExitCode::kUsage,
@@ -86,6 +77,13 @@ Cave open_cave(const std::filesystem::path& path, const LightLevel& level) {
     if (level.memory > 0) fit_memory(cave, path, level);
     if (cave.coarse) cave.file.require_intact();
     return cave;
+}
+
+void warn_of_damage(const std::filesystem::path& path, const Sentences& damage) {
+    for (const std::string& sentence : damage) {
+        spdlog::warn("'{}' is damaged: {}; what is shown of it may be wrong", path.string(),
+                     sentence);
+    }
 }
 
 }  // namespace glowworm

@@ -3,11 +3,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "octree/octree.h"
 #include "octree/octree_file.h"
+#include "octree/rules.h"
 #include "viewer/light/settings.h"
 
 namespace glowworm {
@@ -17,7 +16,6 @@ namespace glowworm {
 struct Cave {
     OctreeFile file;
     std::optional<Octree> coarse;  ///< of the file, where light is simulated at less than its depth
-    std::vector<std::string> damage;  ///< sections whose checksums do not fit, a sentence each
 
     const OctreeView& points() const { return file.view(); }
     OctreeView light() const { return coarse ? coarse->view() : file.view(); }
@@ -35,5 +33,8 @@ struct LightLevel {
 /// does not, and the log says so. Throws Error (kUnreadable) for what is no whole and sound octree,
 /// (kUsage) where `level.depth` is more than its depth, (kBudget) where no level fits the memory.
 Cave open_cave(const std::filesystem::path& path, const LightLevel& level = {});
+
+/// Logs what check_checksums said: what was changed but stays inside can be looked at.
+void warn_of_damage(const std::filesystem::path& path, const Sentences& damage);
 
 }  // namespace glowworm

@@ -5,70 +5,58 @@
 
 #include <GLFW/glfw3.h>
 
-#include <cmath>
+#include <algorithm>
 
 #include "octree/error.h"
 
 namespace glowworm {
 namespace {
 
-constexpr double kClickReach = 4.0;  // screen units: what moves farther is a drag
-constexpr double kDoubleClickSeconds = 0.4;
+constexpr WindowExtent kUsualExtent{1280, 800};
+constexpr double kClickReach = 4.0;  // units of an ordinary screen: what moves farther is a drag
+
+GlfwWindow& window_of(GLFWwindow* window) {
+    return *static_cast<GlfwWindow*>(glfwGetWindowUserPointer(window));
+}
 
 Input& input_of(GLFWwindow* window) {
-    return *static_cast<Input*>(glfwGetWindowUserPointer(window));
+    return window_of(window).input();
 }
 
 void on_key(GLFWwindow* window, int key, int, int action, int modifiers) {
-    Input& in = input_of(window);
-    if (action == GLFW_RELEASE) in.held.erase(key);
-    if (action != GLFW_PRESS) return;
-    in.pressed.push_back({key, modifiers});
-    // With Shift or Control the letters are commands, also when that is let go of first.
-    if ((modifiers & (GLFW_MOD_SHIFT | GLFW_MOD_CONTROL)) == 0) in.held.insert(key);
+    if (action == GLFW_PRESS) input_of(window).press_key(key, modifiers);
+    if (action == GLFW_RELEASE) input_of(window).release_key(key);
 }
 
 void on_button(GLFWwindow* window, int button, int action, int modifiers) {
     if (button > GLFW_MOUSE_BUTTON_MIDDLE) return;
-    Input& in = input_of(window);
     const auto which = static_cast<MouseButton>(button);
     if (action == GLFW_PRESS) {
-        in.dragging = in.drag_began = true;
-        in.drag_button = which;
-        in.drag_shift = (modifiers & GLFW_MOD_SHIFT) != 0;
-        in.drag_from_x = in.cursor_x;
-        in.drag_from_y = in.cursor_y;
-        in.moved_since_press = 0.0;
-        return;
+        input_of(window).press_button(which, (modifiers & GLFW_MOD_SHIFT) != 0);
+    } else {
+        input_of(window).release_button(which, glfwGetTime(),
+                                        kClickReach * double{window_of(window).units_scale()});
     }
-    if (!in.dragging || which != in.drag_button) return;
-    in.dragging = false;
-    in.drag_ended = true;
-    if (in.moved_since_press > kClickReach) return;
-    const double now = glfwGetTime();
-    const bool twice =
-        now - in.clicked_at < kDoubleClickSeconds &&
-        std::hypot(in.cursor_x - in.clicked_x, in.cursor_y - in.clicked_y) < 2 * kClickReach;
-    in.clicks.push_back({which, in.cursor_x, in.cursor_y, twice});
-    in.clicked_at = twice ? -1.0 : now;
-    in.clicked_x = in.cursor_x;
-    in.clicked_y = in.cursor_y;
 }
 
-void on_cursor(GLFWwindow* window, double x, double y) {
-    Input& in = input_of(window);
-    if (in.dragging) {
-        in.drag_x += x - in.cursor_x;
-        in.drag_y += y - in.cursor_y;
-        in.moved_since_press += std::hypot(x - in.cursor_x, y - in.cursor_y);
-    }
-    in.cursor_x = x;
-    in.cursor_y = y;
+void take_callbacks(GLFWwindow* window) {
+    glfwSetKeyCallback(window, on_key);
+    glfwSetMouseButtonCallback(window, on_button);
+    glfwSetCursorPosCallback(
+        window, [](GLFWwindow* w, double x, double y) { input_of(w).move_cursor(x, y); });
+    glfwSetScrollCallback(window,
+                          [](GLFWwindow* w, double, double y) { input_of(w).turn_wheel(y); });
+    glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { input_of(w).damage(); });
+    glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { input_of(w).damage(); });
+    glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
+        for (int i = 0; i < count; ++i)
+            input_of(w).drop(paths[i]);
+    });
 }
 
 }  // namespace
 
-GlfwWindow::GlfwWindow(const std::string& title, int width, int height) {
+GlfwWindow::GlfwWindow(const std::string& title, std::optional<WindowExtent> extent) {
     if (glfwInit() != GLFW_TRUE) {
         throw Error(ExitCode::kInternal,
                     "there is no display to open a window on; --headless renders without one");
@@ -76,6 +64,10 @@ GlfwWindow::GlfwWindow(const std::string& title, int width, int height) {
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET);
+    // A size that was asked for is of pixels.
+    if (!extent) glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+    const auto [width, height] = extent.value_or(kUsualExtent);
     window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
     if (window_ == nullptr) {
         glfwTerminate();
@@ -84,19 +76,8 @@ GlfwWindow::GlfwWindow(const std::string& title, int width, int height) {
     }
     glfwMakeContextCurrent(window_);
     glfwSwapInterval(1);
-
-    glfwSetWindowUserPointer(window_, &input_);
-    glfwSetKeyCallback(window_, on_key);
-    glfwSetMouseButtonCallback(window_, on_button);
-    glfwSetCursorPosCallback(window_, on_cursor);
-    glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double y) { input_of(w).wheel += y; });
-    glfwSetFramebufferSizeCallback(window_,
-                                   [](GLFWwindow* w, int, int) { input_of(w).damaged = true; });
-    glfwSetWindowRefreshCallback(window_, [](GLFWwindow* w) { input_of(w).damaged = true; });
-    glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {
-        for (int i = 0; i < count; ++i)
-            input_of(w).dropped.emplace_back(paths[i]);
-    });
+    glfwSetWindowUserPointer(window_, this);
+    take_callbacks(window_);
 }
 
 GlfwWindow::~GlfwWindow() {
@@ -127,27 +108,24 @@ WindowExtent GlfwWindow::screen() const {
     return extent;
 }
 
+float GlfwWindow::units_scale() const {
+    float scale = 1.0f, ignored = 1.0f;
+    glfwGetWindowContentScale(window_, &scale, &ignored);
+    const int pixels = framebuffer().width, units = screen().width;
+    if (pixels > 0 && units > 0) scale *= static_cast<float>(units) / static_cast<float>(pixels);
+    return std::clamp(scale, 0.5f, 8.0f);
+}
+
+bool GlfwWindow::context_lost() const {
+    return glGetGraphicsResetStatus() != GL_NO_ERROR;
+}
+
 void GlfwWindow::poll(double wait_seconds) {
     if (wait_seconds > 0) {
         glfwWaitEventsTimeout(wait_seconds);
     } else {
         glfwPollEvents();
     }
-}
-
-void GlfwWindow::clear_input() {
-    input_.pressed.clear();
-    input_.clicks.clear();
-    input_.dropped.clear();
-    input_.wheel = input_.drag_x = input_.drag_y = 0.0;
-    input_.damaged = input_.drag_began = input_.drag_ended = false;
-}
-
-FlyInput GlfwWindow::held_keys() const {
-    const auto held = [&](int key) { return input_.held.contains(key) ? 1.0 : 0.0; };
-    return {.ahead = held(GLFW_KEY_W) - held(GLFW_KEY_S),
-            .aside = held(GLFW_KEY_D) - held(GLFW_KEY_A),
-            .rise = held(GLFW_KEY_R) - held(GLFW_KEY_F)};
 }
 
 }  // namespace glowworm

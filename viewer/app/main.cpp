@@ -9,6 +9,7 @@
 #include <span>
 #include <string_view>
 
+#include "octree/checksums.h"
 #include "octree/error.h"
 #include "viewer/app/console.h"
 #include "viewer/app/headless.h"
@@ -29,12 +30,15 @@ int run(int argc, char** argv) {
         static_cast<std::size_t>(options->threads > 0 ? options->threads
                                                       : tbb::info::default_concurrency()));
 
-    const Cave cave = open_cave(
-        options->octree, {options->light_depth, options->light_memory, options->light});
+    const Cave cave =
+        open_cave(options->octree, {options->light_depth, options->light_memory, options->light});
     if (!options->headless) {
         run_window(*options, cave);
         return static_cast<int>(ExitCode::kDone);
     }
+    // All of it is about to be read: comparing checksums costs some GB a second more.
+    warn_of_damage(options->octree, check_checksums(cave.file));
+    cave.file.require_intact();
     Console console(mode);
     const nlohmann::ordered_json result = run_headless(*options, cave, console);
     console.end_phase();

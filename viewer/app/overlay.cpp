@@ -13,6 +13,7 @@ namespace glowworm {
 namespace {
 
 constexpr ImU32 kWhite = IM_COL32(255, 255, 255, 255), kBlack = IM_COL32(0, 0, 0, 200);
+constexpr ImU32 kGrey = IM_COL32(150, 150, 150, 255);
 constexpr ImU32 kYellow = IM_COL32(255, 220, 60, 255), kCyan = IM_COL32(90, 220, 255, 255);
 constexpr double kNearest = 0.05;    // m: what is nearer is not drawn over the picture
 constexpr double kAxisLength = 0.5;  // m: how a spot's aim is shown
@@ -28,11 +29,16 @@ std::optional<ImVec2> on_screen(const View& view, const Vec3d& point) {
     return at(p.x, p.y);
 }
 
+/// A place so many pixels of an ordinary screen to the right and down.
+ImVec2 beside(ImVec2 place, float right, float down) {
+    return {place.x + scaled(right), place.y + scaled(down)};
+}
+
 void draw_line(ImDrawList& list, const View& view, const Vec3d& a, const Vec3d& b, ImU32 color) {
     const auto from = on_screen(view, a), to = on_screen(view, b);
     if (!from || !to) return;
-    list.AddLine(*from, *to, kBlack, 4.0f);
-    list.AddLine(*from, *to, color, 2.0f);
+    list.AddLine(*from, *to, kBlack, scaled(4.0f));
+    list.AddLine(*from, *to, color, scaled(2.0f));
 }
 
 void draw_text(ImDrawList& list, ImVec2 place, const std::string& text, ImU32 color = kWhite) {
@@ -58,16 +64,18 @@ void draw_lamps(ImDrawList& list, const WindowState& state, const View& view) {
             draw_line(list, view, lamp.position, lamp.position + lamp.direction * kAxisLength,
                       color_of(lamp.strength));
         }
-        list.AddCircleFilled(*place, 5.0f, lamp.on ? color_of(lamp.strength) : kBlack);
-        list.AddCircle(*place, selected ? 9.0f : 6.0f, selected ? kYellow : kBlack, 0, 2.0f);
-        if (selected) draw_text(list, {place->x + 12, place->y - 8}, lamp.name, kYellow);
+        list.AddCircleFilled(*place, scaled(5.0f), lamp.on ? color_of(lamp.strength) : kBlack);
+        list.AddCircle(*place, scaled(selected ? 9.0f : 6.0f), selected ? kYellow : kBlack, 0,
+                       scaled(2.0f));
+        if (selected) draw_text(list, beside(*place, 12.0f, -8.0f), lamp.name, kYellow);
     }
 }
 
 void draw_measurement(ImDrawList& list, const View& view, const Measurement& m, ImU32 color) {
     for (std::size_t i = 0; i < m.points.size(); ++i) {
         if (i > 0) draw_line(list, view, m.points[i - 1], m.points[i], color);
-        if (const auto p = on_screen(view, m.points[i])) list.AddCircleFilled(*p, 4.0f, color);
+        if (const auto p = on_screen(view, m.points[i]))
+            list.AddCircleFilled(*p, scaled(4.0f), color);
     }
     if (m.kind == MeasureKind::kPolygon && m.points.size() > 2) {
         draw_line(list, view, m.points.back(), m.points.front(), color);
@@ -76,7 +84,7 @@ void draw_measurement(ImDrawList& list, const View& view, const Measurement& m, 
     const auto label = on_screen(view, (m.points[0] + m.points[1]) / 2.0);
     if (!label) return;
     const std::string text = measurement_text(m);
-    draw_text(list, {label->x + 8, label->y}, text.substr(0, text.find(',')), color);
+    draw_text(list, beside(*label, 8.0f, 0.0f), text.substr(0, text.find(',')), color);
 }
 
 void draw_path(ImDrawList& list, const WindowState& state, const View& view) {
@@ -94,33 +102,36 @@ void draw_path(ImDrawList& list, const WindowState& state, const View& view) {
     for (std::size_t i = 0; i < path.keys.size(); ++i) {
         const auto place = on_screen(view, path.keys[i].position);
         if (!place) continue;
-        list.AddRectFilled({place->x - 4, place->y - 4}, {place->x + 4, place->y + 4}, kCyan);
-        draw_text(list, {place->x + 7, place->y - 7}, fmt::format("{}", i + 1), kCyan);
+        list.AddRectFilled(beside(*place, -4.0f, -4.0f), beside(*place, 4.0f, 4.0f), kCyan);
+        draw_text(list, beside(*place, 7.0f, -7.0f), fmt::format("{}", i + 1), kCyan);
     }
 }
 
 /// A survey's scale bar and north arrow, at the lower right.
 void draw_scale(ImDrawList& list, const View& view) {
     const double metres = scale_bar_length(1.0 / view.focal, view.width / 4.0);
-    const double pixels = metres * view.focal, x = view.width - 30.0, y = view.height - 30.0;
-    list.AddRectFilled(at(x - pixels - 1, y - 3), at(x + 1, y + 4), kBlack);
-    list.AddRectFilled(at(x - pixels, y - 2), at(x, y + 3), kWhite);
-    list.AddRectFilled(at(x - pixels / 2, y - 2), at(x, y + 3), IM_COL32(150, 150, 150, 255));
-    draw_text(list, at(x - pixels, y - 20), fmt::format("{:g} m", metres));
+    const ImVec2 corner = at(view.width, view.height), right = beside(corner, -30.0f, -30.0f);
+    const auto bar = static_cast<float>(metres * view.focal);
+    const ImVec2 left{right.x - bar, right.y}, middle{right.x - bar / 2, right.y};
+    list.AddRectFilled(beside(left, -1.0f, -3.0f), beside(right, 1.0f, 4.0f), kBlack);
+    list.AddRectFilled(beside(left, 0.0f, -2.0f), beside(right, 0.0f, 3.0f), kWhite);
+    list.AddRectFilled(beside(middle, 0.0f, -2.0f), beside(right, 0.0f, 3.0f), kGrey);
+    draw_text(list, beside(left, 0.0f, -20.0f), fmt::format("{:g} m", metres));
 
     const ScreenDirection north = north_on_screen(view);
-    const double reach = std::hypot(north.right, north.down);
-    if (reach < 0.05) return;  // along the line of sight
-    const double nx = north.right, ny = north.down, cx = view.width - 50.0, cy = view.height - 95.0;
-    constexpr double kArrow = 30.0;
-    const ImVec2 tip = at(cx + nx * kArrow, cy + ny * kArrow);
-    const ImVec2 foot = at(cx - nx * kArrow, cy - ny * kArrow);
-    list.AddLine(foot, tip, kBlack, 5.0f);
-    list.AddLine(foot, tip, kWhite, 2.0f);
-    const double ux = nx / reach, uy = ny / reach;  // the head keeps its size
-    list.AddTriangleFilled(tip, at(tip.x - ux * 10 - uy * 5, tip.y - uy * 10 + ux * 5),
-                           at(tip.x - ux * 10 + uy * 5, tip.y - uy * 10 - ux * 5), kWhite);
-    draw_text(list, at(tip.x + ux * 12 - 4, tip.y + uy * 12 - 7), "N");
+    const auto reach = static_cast<float>(std::hypot(north.right, north.down));
+    if (reach < 0.05f) return;  // along the line of sight
+    const auto nx = static_cast<float>(north.right), ny = static_cast<float>(north.down);
+    constexpr float kArrow = 30.0f;
+    const ImVec2 centre = beside(corner, -50.0f, -95.0f);
+    const ImVec2 tip = beside(centre, nx * kArrow, ny * kArrow);
+    const ImVec2 foot = beside(centre, -nx * kArrow, -ny * kArrow);
+    list.AddLine(foot, tip, kBlack, scaled(5.0f));
+    list.AddLine(foot, tip, kWhite, scaled(2.0f));
+    const float ux = nx / reach, uy = ny / reach;  // the head keeps its size
+    list.AddTriangleFilled(tip, beside(tip, -ux * 10 - uy * 5, -uy * 10 + ux * 5),
+                           beside(tip, -ux * 10 + uy * 5, -uy * 10 - ux * 5), kWhite);
+    draw_text(list, beside(tip, ux * 12 - 4, uy * 12 - 7), "N");
 }
 
 const char* hint_for(const WindowState& state) {
@@ -143,13 +154,15 @@ const char* hint_for(const WindowState& state) {
 
 /// The last thing that happened, at the lower edge beside the panel.
 void draw_message(ImDrawList& list, const WindowState& state, const View& view) {
-    const float left = state.visible && view.width > 500 ? 345.0f : 12.0f;
-    const float wrap = std::max(static_cast<float>(view.width) - left - 12.0f, 100.0f);
+    const auto width = static_cast<float>(view.width), height = static_cast<float>(view.height);
+    const float margin = scaled(12.0f);
+    const float left = state.visible && width > scaled(500.0f) ? scaled(345.0f) : margin;
+    const float wrap = std::max(width - left - margin, scaled(100.0f));
     const char* text = state.message.c_str();
     const ImVec2 size = ImGui::CalcTextSize(text, nullptr, false, wrap);
-    const ImVec2 place{left, static_cast<float>(view.height) - 12.0f - size.y};
-    list.AddRectFilled({place.x - 4, place.y - 3}, {place.x + size.x + 4, place.y + size.y + 3},
-                       kBlack, 3.0f);
+    const ImVec2 place{left, height - margin - size.y};
+    const ImVec2 end{place.x + size.x, place.y + size.y};
+    list.AddRectFilled(beside(place, -4.0f, -3.0f), beside(end, 4.0f, 3.0f), kBlack, scaled(3.0f));
     list.AddText(ImGui::GetFont(), ImGui::GetFontSize(), place, kWhite, text, nullptr, wrap);
 }
 
@@ -164,9 +177,9 @@ void draw_overlay(const WindowState& state, const View& view) {
             for (const Mark& station : state.stations) {
                 const auto place = on_screen(view, station.position);
                 if (!place) continue;
-                list.AddTriangleFilled({place->x, place->y - 6}, {place->x - 5, place->y + 4},
-                                       {place->x + 5, place->y + 4}, kYellow);
-                draw_text(list, {place->x + 8, place->y - 7}, station.name, kYellow);
+                list.AddTriangleFilled(beside(*place, 0.0f, -6.0f), beside(*place, -5.0f, 4.0f),
+                                       beside(*place, 5.0f, 4.0f), kYellow);
+                draw_text(list, beside(*place, 8.0f, -7.0f), station.name, kYellow);
             }
         }
         for (const Measurement& m : state.measurements)
@@ -175,7 +188,9 @@ void draw_overlay(const WindowState& state, const View& view) {
     }
     if (view.orthographic) draw_scale(list, view);
     const char* hint = hint_for(state);
-    if (hint != nullptr) draw_text(list, at(view.width / 2.0 - 100, 12), hint, kYellow);
+    if (hint != nullptr) {
+        draw_text(list, beside(at(view.width / 2.0, 0.0), -100.0f, 12.0f), hint, kYellow);
+    }
     if (!state.message.empty()) draw_message(list, state, view);
 }
 

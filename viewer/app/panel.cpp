@@ -4,13 +4,15 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
-#include <GLFW/glfw3.h>
+#include <cmath>
 
 namespace glowworm {
 namespace {
 
+constexpr float kFontPixels = 13.0f;  // what the default font is made for
+
 void draw_keys(WindowState& state) {
-    ImGui::SetNextWindowPos({340, 10}, ImGuiCond_FirstUseEver);
+    ImGui::SetNextWindowPos({scaled(340.0f), scaled(10.0f)}, ImGuiCond_FirstUseEver);
     ImGui::Begin("Keys", &state.show_keys, ImGuiWindowFlags_AlwaysAutoResize);
     ImGui::TextUnformatted(mouse_help(state.scheme, state.mode).c_str());
     ImGui::TextUnformatted(key_help(state.mode).c_str());
@@ -40,16 +42,14 @@ void draw_sections(WindowState& state) {
 
 }  // namespace
 
+float scaled(float pixels) {
+    return pixels * ImGui::GetFontSize() / kFontPixels;
+}
+
 Panel::Panel(GLFWwindow* window) {
     IMGUI_CHECKVERSION();
     ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;  // nothing is left behind in the user's folder
-    float scale = 1.0f, ignored = 1.0f;
-    glfwGetWindowContentScale(window, &scale, &ignored);
-    if (scale > 1.0f) {
-        ImGui::GetIO().FontGlobalScale = scale;
-        ImGui::GetStyle().ScaleAllSizes(scale);
-    }
     ImGui_ImplGlfw_InitForOpenGL(window, true);
     ImGui_ImplOpenGL3_Init("#version 450");
 }
@@ -60,8 +60,25 @@ Panel::~Panel() {
     ImGui::DestroyContext();
 }
 
-void Panel::draw(WindowState& state, const View& view) {
+/// Letters are drawn anew for each size: stretched ones would be blurred.
+void Panel::set_scale(float scale) {
+    if (scale == scale_) return;
+    scale_ = scale;
+    ImGui::GetStyle() = ImGuiStyle();
+    ImGui::GetStyle().ScaleAllSizes(scale);
+    ImGuiIO& io = ImGui::GetIO();
+    ImFontConfig font;
+    font.SizePixels = std::floor(kFontPixels * scale);
+    io.Fonts->Clear();
+    io.Fonts->AddFontDefault(&font);
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+    height_ = 0;  // the panel's place is of the other scale
+}
+
+void Panel::draw(WindowState& state, const View& view, float scale) {
     ImGui_ImplOpenGL3_NewFrame();
+    set_scale(scale);
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
     draw_overlay(state, view);
@@ -69,10 +86,12 @@ void Panel::draw(WindowState& state, const View& view) {
         // Where people put it, until the window gets another size: it might lie outside then.
         const ImGuiCond when = view.height == height_ ? ImGuiCond_Once : ImGuiCond_Always;
         height_ = view.height;
-        ImGui::SetNextWindowPos({10, 10}, when);
-        ImGui::SetNextWindowSize({320, static_cast<float>(view.height) - 20}, when);
+        const float edge = scaled(10.0f);
+        ImGui::SetNextWindowPos({edge, edge}, when);
+        ImGui::SetNextWindowSize({scaled(320.0f), static_cast<float>(view.height) - 2.0f * edge},
+                                 when);
         ImGui::Begin("Glowworm");
-        ImGui::PushItemWidth(-110.0f);
+        ImGui::PushItemWidth(scaled(-110.0f));
         ImGui::Text("%.0f ms a frame at 1/%d, %.0f %% sharp", state.frame_ms, state.divisor,
                     (state.divisor == 1 ? 1.0 : state.sharpened) * 100.0);
         ImGui::Text("flies at %.2f m/s", static_cast<double>(state.speed));

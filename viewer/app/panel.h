@@ -16,17 +16,24 @@ class Panel {
     Panel(const Panel&) = delete;
     Panel& operator=(const Panel&) = delete;
 
-    /// Draws over the frame; `view` is what it shows, in screen units.
-    void draw(WindowState& state, const View& view);
+    /// Draws over the frame; `view` is what it shows, in screen units, `scale` times as large as on
+    /// an ordinary screen.
+    void draw(WindowState& state, const View& view, float scale);
     bool wants_mouse() const;
     bool wants_keyboard() const;
     bool is_editing() const;  ///< a value is held with the mouse or typed into
 
   private:
-    int height_ = 0;  // of the window, screen units
+    void set_scale(float scale);
+
+    float scale_ = 0.0f;  // that fonts and sizes are made for
+    int height_ = 0;      // of the window, screen units
 };
 
-// The panel's sections, a file each.
+/// Screen units of what is so many pixels large on an ordinary screen.
+float scaled(float pixels);
+
+// The panel's sections.
 void draw_picture_section(WindowState& state);
 void draw_move_section(WindowState& state);
 void draw_lamp_section(WindowState& state);

@@ -138,7 +138,7 @@ void draw_light_section(WindowState& state) {
         for (const float residual : state.residuals)
             digits.push_back(std::log10(std::max(residual, 1e-7f)));
         ImGui::PlotLines("log10 of change", digits.data(), static_cast<int>(digits.size()), 0,
-                         nullptr, -5.0f, 0.5f, {0, 60});
+                         nullptr, -5.0f, 0.5f, {0, scaled(60.0f)});
     }
 }
 

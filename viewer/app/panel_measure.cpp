@@ -95,7 +95,7 @@ void draw_statistics_section(WindowState& state) {
         ImGui::PlotLines("ms a frame", state.frame_history.data(),
                          static_cast<int>(state.frame_history.size()), 0, nullptr, 0.0f,
                          *std::max_element(state.frame_history.begin(), state.frame_history.end()),
-                         {0, 50});
+                         {0, scaled(50.0f)});
     }
     ImGui::Checkbox("milliseconds of each pass", &state.measure_passes);
     if (state.measure_passes) {

@@ -21,164 +21,142 @@ void Session::carry_out(const Request& request) {
     state_.message.clear();
     switch (request.command) {
         case Command::kClose:
-            if (state_.tool == Tool::kNone && !state_.playing) window_.close();
-            state_.open.points.clear();
-            state_.tool = Tool::kNone;
-            state_.playing = false;
-            break;
+            return stop_or_close();
         case Command::kHidePanels:
             state_.visible = !state_.visible;
-            break;
+            return;
         case Command::kShowKeys:
             state_.show_keys = !state_.show_keys;
-            break;
+            return;
         case Command::kFly:
-            navigator_.set_mode(MoveMode::kFly);
-            moved();
-            break;
+            return set_mode(MoveMode::kFly);
         case Command::kOrbit:
-            navigator_.set_mode(MoveMode::kOrbit);
-            moved();
-            break;
+            return set_mode(MoveMode::kOrbit);
         case Command::kWalk:
-            navigator_.set_mode(MoveMode::kWalk);
-            moved();
-            break;
+            return set_mode(MoveMode::kWalk);
         case Command::kPlan:
             navigator_.show_survey(-90.0, screen.width, screen.height);
-            moved();
-            break;
+            return moved();
         case Command::kElevation:
             navigator_.show_survey(0.0, screen.width, screen.height);
-            moved();
-            break;
+            return moved();
         case Command::kFaceNorth:
-            navigator_.face(0.0);
-            moved();
-            break;
+            return face(0.0);
         case Command::kFaceEast:
-            navigator_.face(90.0);
-            moved();
-            break;
+            return face(90.0);
         case Command::kFaceSouth:
-            navigator_.face(180.0);
-            moved();
-            break;
+            return face(180.0);
         case Command::kFaceWest:
-            navigator_.face(270.0);
-            moved();
-            break;
+            return face(270.0);
         case Command::kRotate:
-            navigator_.toggle_rotation();
-            break;
+            return navigator_.toggle_rotation();
         case Command::kReset:
             navigator_.reset(screen.width, screen.height);
-            moved();
-            break;
+            return moved();
         case Command::kGoToStation:
-            if (which < state_.stations.size()) {
-                Camera camera = navigator_.camera().camera(1, 1);
-                const Vec3d ahead = camera.look_at - camera.position;
-                camera.position = state_.stations[which].position;
-                camera.look_at = camera.position + ahead;
-                navigator_.go_to(camera);
-                moved();
-            }
-            break;
+            return go_to_station(which);
         case Command::kHeadlamp:
             state_.headlamp_on = !state_.headlamp_on;
-            break;
+            return;
         case Command::kAddLamp: {
             const FlyCamera& eye = navigator_.camera();
-            add_lamp(request.which, eye.position() + eye.right() * kBesideEye, eye.forward());
-            break;
+            const Vec3d beside = eye.position() + eye.right() * kBesideEye;
+            return add_lamp(request.which, beside, eye.forward());
         }
         case Command::kPlaceLamp:
             state_.preset = request.which;
-            choose_tool(Tool::kPlaceLamp);
-            break;
+            return choose_tool(Tool::kPlaceLamp);
         case Command::kAimLamp:
-            choose_tool(Tool::kAimLamp);
-            break;
+            return choose_tool(Tool::kAimLamp);
         case Command::kRemoveLamp:
-            if (state_.selected < 0) break;
-            if (state_.lamps[static_cast<std::size_t>(state_.selected)].kind == LampKind::kArea) {
-                state_.message = "area lights are part of the octree: switch it off instead";
-                break;
-            }
-            state_.lamps.erase(state_.lamps.begin() + state_.selected);
-            state_.selected = dragged_lamp_ = -1;
-            break;
+            return remove_lamp();
         case Command::kUndo:
-            step_history(true);
-            break;
+            return step_history(true);
         case Command::kRedo:
-            step_history(false);
-            break;
+            return step_history(false);
         case Command::kSaveScene:
-            save_scene();
-            break;
+            return save_scene();
         case Command::kLoadScene:
-            load_scene(state_.scene_file);
-            break;
+            return load_scene(state_.scene_file);
         case Command::kSavePicture:
-            save_picture();
-            break;
+            return save_picture();
         case Command::kMeasureLeg:
-            choose_tool(Tool::kMeasure, MeasureKind::kLeg);
-            break;
+            return choose_tool(Tool::kMeasure, MeasureKind::kLeg);
         case Command::kMeasurePolyline:
-            choose_tool(Tool::kMeasure, MeasureKind::kPolyline);
-            break;
+            return choose_tool(Tool::kMeasure, MeasureKind::kPolyline);
         case Command::kMeasurePolygon:
-            choose_tool(Tool::kMeasure, MeasureKind::kPolygon);
-            break;
+            return choose_tool(Tool::kMeasure, MeasureKind::kPolygon);
         case Command::kMeterLight:
-            choose_tool(Tool::kMeter);
-            break;
+            return choose_tool(Tool::kMeter);
         case Command::kFinishMeasuring:
-            finish_measuring();
-            break;
+            return finish_measuring();
         case Command::kSaveMeasurements:
-            write_and_say("glowworm-measurements.json", measurements_json(state_.measurements));
-            break;
+            return write_and_say("glowworm-measurements.json",
+                                 measurements_json(state_.measurements));
         case Command::kAddKeyframe:
-            add_keyframe();
-            break;
+            return add_keyframe();
         case Command::kPlayPath:
             state_.playing = !state_.playing && !state_.path.keys.empty();
             if (state_.playing) state_.play_time = state_.path.keys.front().time;
-            break;
+            return;
         case Command::kSavePath:
-            if (state_.path.keys.empty()) {
-                state_.message = "the path has no keyframes yet: K adds one";
-            } else {
-                write_and_say("glowworm-path.json", camera_path_json(state_.path));
-            }
-            break;
+            return save_path();
         case Command::kGoToKeyframe:
-            if (which < state_.path.keys.size()) {
-                navigator_.go_to(
-                    camera_at_time(state_.path, state_.path.keys[which].time, Camera{}));
-                moved();
-            }
-            break;
-        case Command::kClipHere: {
-            const Vec3d reach{kClipReach, kClipReach, kClipReach};
-            const Vec3d middle = navigator_.in_survey() ? navigator_.survey().centre
-                                                        : navigator_.camera().position();
-            state_.clip_box = {middle - reach, middle + reach};
-            if (navigator_.in_survey()) {  // whatever lies above and below it
-                state_.clip_box.low.z = navigator_.bounds().low.z;
-                state_.clip_box.high.z = navigator_.bounds().high.z;
-            }
-            state_.clip = true;
-            break;
-        }
+            return go_to_keyframe(which);
+        case Command::kClipHere:
+            return clip_here();
         case Command::kRebuildLight:
-            rebuild_light();
-            break;
+            light_wanted_ = true;
+            return;
     }
+}
+
+/// Escape ends what is being done, and where nothing is the window.
+void Session::stop_or_close() {
+    if (state_.tool == Tool::kNone && !state_.playing) window_.close();
+    state_.open.points.clear();
+    state_.tool = Tool::kNone;
+    state_.playing = false;
+}
+
+void Session::set_mode(MoveMode mode) {
+    navigator_.set_mode(mode);
+    moved();
+}
+
+void Session::face(double bearing_deg) {
+    navigator_.face(bearing_deg);
+    moved();
+}
+
+/// Looking the same way as before.
+void Session::go_to_station(std::size_t which) {
+    if (which >= state_.stations.size()) return;
+    Camera camera = navigator_.camera().camera(1, 1);
+    const Vec3d ahead = camera.look_at - camera.position;
+    camera.position = state_.stations[which].position;
+    camera.look_at = camera.position + ahead;
+    navigator_.go_to(camera);
+    moved();
+}
+
+void Session::go_to_keyframe(std::size_t which) {
+    if (which >= state_.path.keys.size()) return;
+    navigator_.go_to(camera_at_time(state_.path, state_.path.keys[which].time, Camera{}));
+    moved();
+}
+
+/// In a survey view whatever lies above and below the middle.
+void Session::clip_here() {
+    const Vec3d reach{kClipReach, kClipReach, kClipReach};
+    const Vec3d middle =
+        navigator_.in_survey() ? navigator_.survey().centre : navigator_.camera().position();
+    state_.clip_box = {middle - reach, middle + reach};
+    if (navigator_.in_survey()) {
+        state_.clip_box.low.z = navigator_.bounds().low.z;
+        state_.clip_box.high.z = navigator_.bounds().high.z;
+    }
+    state_.clip = true;
 }
 
 void Session::add_lamp(int preset, const Vec3d& position, const Vec3d& direction) {
@@ -194,7 +172,16 @@ void Session::add_lamp(int preset, const Vec3d& position, const Vec3d& direction
     state_.selected = static_cast<int>(end - state_.lamps.begin());
     state_.lamps.insert(end, lamp);
     dragged_lamp_ = -1;
-    state_.message = fmt::format("added '{}'", lamp.name);
+    say(fmt::format("added '{}'", lamp.name));
+}
+
+void Session::remove_lamp() {
+    if (state_.selected < 0) return;
+    if (state_.lamps[static_cast<std::size_t>(state_.selected)].kind == LampKind::kArea) {
+        return say("area lights are part of the octree: switch it off instead");
+    }
+    state_.lamps.erase(state_.lamps.begin() + state_.selected);
+    state_.selected = dragged_lamp_ = -1;
 }
 
 void Session::choose_tool(Tool tool, MeasureKind kind) {
@@ -208,7 +195,7 @@ void Session::finish_measuring() {
     if (state_.tool != Tool::kMeasure) return;
     const std::size_t least = state_.open.kind == MeasureKind::kPolygon ? 3 : 2;
     if (state_.open.points.size() >= least) {
-        state_.message = measurement_text(state_.open);
+        say(measurement_text(state_.open));
         state_.measurements.push_back(state_.open);
     }
     state_.open.points.clear();
@@ -229,22 +216,7 @@ void Session::add_keyframe() {
     key.look_at = eye.position() + eye.forward() * kLookAhead;
     key.vfov_deg = eye.vfov_deg();
     keys.push_back(key);
-    state_.message = fmt::format("keyframe {} at {:.1f} s", keys.size(), key.time);
-}
-
-/// Light as the settings say, from the beginning.
-void Session::rebuild_light() {
-    light_settings_ = state_.light;
-    const auto bounces = state_.limit_bounces ? std::optional(state_.bounces) : std::nullopt;
-    const Scene scene = lit_scene();
-    light_.reset();
-    light_ = std::make_unique<LiveLight>(context_, cave_.light(), scene, light_settings_, bounces);
-    frame_.set_panels(scene.area_lights);
-    lit_lamps_ = state_.lamps;
-    lit_headlamp_ = state_.headlamp_on;
-    lit_headlamp_intensity_ = state_.headlamp_intensity;
-    lit_eye_ = headlamp_eye_;
-    stale_ = true;
+    say(fmt::format("keyframe {} at {:.1f} s", keys.size(), key.time));
 }
 
 }  // namespace glowworm

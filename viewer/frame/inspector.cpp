@@ -4,18 +4,20 @@
 
 namespace glowworm {
 
-void Inspector::draw(const Frame& frame, const LightField& light, const InspectorSettings& settings,
+void Inspector::draw(const Frame& frame, const LightField* light, const InspectorSettings& settings,
                      const Texture& target) {
-    const bool octree = of_octree(settings.layer);
+    const bool octree = of_octree(settings.layer) && light != nullptr;
     if (octree) {
         if (!inspect_octree_)
             inspect_octree_.emplace(std::vector<std::string>{"inspect_octree.comp"});
-        light.show_to_cones();
+        light->show_to_cones();
     }
     const Program& pass = octree ? *inspect_octree_ : inspect_;
     frame.gbuffer().bind();
-    frame.shading().direct().bind_storage(BINDING_PIXEL_DIRECT);
-    frame.shading().indirect().bind_storage(BINDING_PIXEL_INDIRECT);
+    if (light != nullptr) {
+        frame.shading().direct().bind_storage(BINDING_PIXEL_DIRECT);
+        frame.shading().indirect().bind_storage(BINDING_PIXEL_INDIRECT);
+    }
     target.bind_image(0, GL_WRITE_ONLY);
     set_uniform(pass, 0, static_cast<float>(settings.stops));
     set_uniform(pass, 1, static_cast<std::uint32_t>(settings.curve));

@@ -17,14 +17,15 @@ enum class Layer : std::uint32_t {
     kNormals,
     kNdfLength,
     kDepth,
+    kUnlit,     ///< points by themselves, as a lamp at the eye would show them
     kVoxels,    ///< a colour for each of the octree's cells
     kOpacity,   ///< of the cell, from where the camera is
     kRadiance,  ///< of the cell, toward the camera
 };
 
 inline constexpr const char* kLayerNames[] = {"picture", "direct light", "indirect light", "albedo",
-                                              "normals", "NDF length",   "depth",          "voxels",
-                                              "opacity", "radiance"};
+                                              "normals", "NDF length",   "depth",          "unlit",
+                                              "voxels",  "opacity",      "radiance"};
 
 /// Whether a layer shows one level of the octree, as cones see it.
 constexpr bool of_octree(Layer layer) {
@@ -41,9 +42,10 @@ struct InspectorSettings {
 /// Shows what lies behind a picture: one layer of the frame last drawn.
 class Inspector {
   public:
-    /// Into `target`, an RGBA8 texture of the frame's size. Light is exposed by `stops`; normals
-    /// are colours, x east, y north, z up; depth repeats every metre.
-    void draw(const Frame& frame, const LightField& light, const InspectorSettings& settings,
+    /// Into `target`, an RGBA8 texture of the frame's size. Without light (nullptr) it shows
+    /// surfaces only. Light is exposed by `stops`; normals are colours, x east, y north, z up;
+    /// depth repeats every metre.
+    void draw(const Frame& frame, const LightField* light, const InspectorSettings& settings,
               const Texture& target);
 
   private:
