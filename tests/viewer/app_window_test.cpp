@@ -1,98 +1,21 @@
 // The window as a person uses it: a real window on a screen nobody sees, real keys and clicks.
 #include <unistd.h>
 
-#include <fstream>
 #include <iostream>
-#include <nlohmann/json.hpp>
-#include <numeric>
-#include <sstream>
 
-#include "analytic_cave.h"
-#include "desktop.h"
-#include "octree/build.h"
-#include "octree/octree_file.h"
 #include "program.h"
 #include "testing.h"
 #include "viewer/frame/exr.h"
+#include "visit.h"
 
 namespace glowworm {
 namespace {
 
 using testing::Desktop;
-using testing::RunningProgram;
+using testing::json_of;
+using testing::text_of;
+using testing::Visit;
 using testing::wait_for;
-
-constexpr int kWidth = 320, kHeight = 240;
-
-std::string text_of(const std::filesystem::path& path) {
-    std::ostringstream text;
-    text << std::ifstream(path, std::ios::binary).rdbuf();
-    return text.str();
-}
-
-nlohmann::json json_of(const std::filesystem::path& path) {
-    return nlohmann::json::parse(text_of(path));
-}
-
-/// Somebody at a window on a room of 4 x 4 x 3 m, looking north from (2, 0.5, 1.5).
-class Visit {
-  public:
-    explicit Visit(const std::vector<std::string>& more, bool own_scene,
-                   const std::string& size = "320x240")
-        : desktop_(kWidth, kHeight, folder_.path()) {
-        write_octree_file(
-            build_octree(testing::closed_room({0, 0, 0}, {4, 4, 3}, 0.05f), {.depth = 5}).view(),
-            file("room.svo"));
-        std::ofstream(file("scene.json"))
-            << R"({"lights":[{"type":"point","name":"lamp","position":[1,1,2.5],
-            "radiant_intensity":[0.1,0.1,0.1]}],"cameras":[{"name":"c","position":[2,0.5,1.5],
-            "look_at":[2,4,1.5],"up":[0,0,1],"vfov_deg":60,"width":320,"height":240}]})";
-        std::vector<std::string> words{GLOWWORM_VIEW_PROGRAM, file("room.svo"), "--size", size,
-                                       "-v"};
-        if (!own_scene) words.insert(words.end(), {"--scene", "scene.json"});
-        words.insert(words.end(), more.begin(), more.end());
-        viewer_ = std::make_unique<RunningProgram>(
-            words, std::vector{"DISPLAY=" + desktop_.display()}, folder_.path(), file("log"));
-    }
-
-    std::string file(const std::string& name) const { return (folder_ / name).string(); }
-    const Desktop& desktop() const { return desktop_; }
-    std::string log() const { return text_of(folder_ / "log"); }
-
-    /// The window is there, has drawn, and has the keyboard; its panels are hidden.
-    bool begin() {
-        const bool drawn =
-            wait_for([&] { return log().find("the first picture after") != std::string::npos; });
-        if (!drawn || !desktop_.focus("Glowworm")) return false;
-        desktop_.key("Tab");
-        return true;
-    }
-
-    /// F12; the picture's number.
-    bool save_picture(int number) {
-        desktop_.key("F12");
-        return wait_for_file("glowworm-" + std::to_string(number) + ".png");
-    }
-    bool wait_for_file(const std::string& name) {
-        return wait_for([&] { return std::filesystem::exists(folder_ / name); });
-    }
-    std::vector<float> red(int number) const {
-        return read_exr(folder_ / ("glowworm-" + std::to_string(number) + ".exr")).channels.at("R");
-    }
-    double mean_red(int number) const {
-        const std::vector<float> values = red(number);
-        return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
-    }
-    int end() {
-        desktop_.key("Escape");
-        return viewer_->wait(30.0);
-    }
-
-  private:
-    testing::ScratchFolder folder_;
-    Desktop desktop_;
-    std::unique_ptr<RunningProgram> viewer_;
-};
 
 /// Whether two pictures are one; says how far they are apart where not.
 bool same_pixels(const std::vector<float>& a, const std::vector<float>& b) {
@@ -106,15 +29,12 @@ bool same_pixels(const std::vector<float>& a, const std::vector<float>& b) {
     return a.size() == b.size() && differing == 0;
 }
 
-#define DESKTOP_OR_SKIP()                                       \
-    if (!Desktop::is_available())                               \
-    GTEST_SKIP() << "Xvfb or xdotool is missing: no hand on a " \
-                    "window"
-
 TEST(Window, OpensOnALitPictureWithoutASceneAndEndsAtEscape) {
     DESKTOP_OR_SKIP();
-    Visit visit({"--bounces", "0"}, true);
+    Visit visit({.flags = {"--bounces", "0"}, .own_scene = true});
     ASSERT_TRUE(visit.begin()) << visit.log();
+    EXPECT_LT(visit.log().find("the first picture after"), visit.log().find("light after"))
+        << "points come before light";
     ASSERT_TRUE(visit.save_picture(1)) << visit.log();
     std::cout << "mean radiance " << visit.mean_red(1) << "\n";
     EXPECT_GT(visit.mean_red(1), 1e-3);
@@ -131,7 +51,7 @@ TEST(Window, OpensOnALitPictureWithoutASceneAndEndsAtEscape) {
 
 TEST(Window, MeasuresAKnownDistanceWithinACentimetre) {
     DESKTOP_OR_SKIP();
-    Visit visit({"--bounces", "0"}, false);
+    Visit visit({.flags = {"--bounces", "0"}});
     ASSERT_TRUE(visit.begin()) << visit.log();
     const Desktop& desktop = visit.desktop();
     // Two places on the wall 3.5 m ahead, then the walls on the left and on the right.
@@ -147,7 +67,7 @@ TEST(Window, MeasuresAKnownDistanceWithinACentimetre) {
     const auto list = json_of(visit.file("glowworm-measurements.json"))["measurements"];
     ASSERT_EQ(list.size(), 2u);
 
-    const double focal = kHeight / 2.0 / std::tan(M_PI / 6), depth = 3.5;
+    const double focal = Visit::kHeight / 2.0 / std::tan(M_PI / 6), depth = 3.5;
     const double truth = std::hypot(120.0, 50.0) / focal * depth;
     const double measured = list[0]["length_m"];
     const double across = double(list[1]["points"][1][0]) - double(list[1]["points"][0][0]);
@@ -163,7 +83,7 @@ TEST(Window, MeasuresAKnownDistanceWithinACentimetre) {
 TEST(Window, LightsUpWhereALampIsDroppedAndSavesUndoesAndReloadsTheScene) {
     DESKTOP_OR_SKIP();
     // Direct light at a given exposure: the same scene is the same pixels.
-    Visit visit({"--bounces", "0", "--exposure", "3"}, false, "160x120");
+    Visit visit({.flags = {"--bounces", "0", "--exposure", "3"}, .size = "160x120"});
     ASSERT_TRUE(visit.begin()) << visit.log();
     ASSERT_TRUE(visit.save_picture(1)) << visit.log();
     visit.desktop().key("b");
@@ -195,7 +115,7 @@ TEST(Window, LightsUpWhereALampIsDroppedAndSavesUndoesAndReloadsTheScene) {
 
 TEST(Window, FliesAndTurnsAndItsPathBecomesAVideo) {
     DESKTOP_OR_SKIP();
-    Visit visit({"--bounces", "0"}, false);
+    Visit visit({.flags = {"--bounces", "0"}});
     ASSERT_TRUE(visit.begin()) << visit.log();
     const Desktop& desktop = visit.desktop();
     desktop.key("k");

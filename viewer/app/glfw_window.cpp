@@ -98,6 +98,7 @@ void GlfwWindow::swap() {
 
 WindowExtent GlfwWindow::framebuffer() const {
     WindowExtent extent;
+    if (glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE) return extent;
     glfwGetFramebufferSize(window_, &extent.width, &extent.height);
     return extent;
 }

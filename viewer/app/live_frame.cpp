@@ -32,13 +32,14 @@ LiveFrame::LiveFrame(const Context& context, const OctreeView& octree,
 bool LiveFrame::draw(const LiveLight* light, double resting) {
     const WindowExtent extent = window_.framebuffer();
     if (extent.width == 0 || extent.height == 0) return false;  // minimised
-    if (extent != paced_extent_) {
+    const bool lit = light != nullptr;
+    if (extent != paced_extent_ || lit != drawn_as_.lit) {
         pace_ = {};  // what was learnt holds for other pixels
         paced_extent_ = extent;
         stale_ = true;
     }
     const bool looks_alike = !sharpening_.active() || sharpened_as_ == look();
-    stale_ = stale_ || drawn_as_ != surfaces(light != nullptr) || !looks_alike;
+    stale_ = stale_ || drawn_as_ != surfaces(lit) || !looks_alike;
     const int divisor = pace_.divisor(resting < kMovingSeconds);
     if (!stale_ && divisor >= state_.divisor) return sharpen(light, resting);
     draw_whole(light, divisor);
@@ -67,8 +68,8 @@ void LiveFrame::draw_whole(const LiveLight* light, int divisor) {
     glFinish();
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
 
+    pace_.drawn(divisor, took.count());
     if (light != nullptr) {
-        pace_.drawn(divisor, took.count());
         const auto luminances = display_.luminances(frame_.beauty(), view.width, view.height);
         if (!luminances.empty()) {
             wanted_exposure_ = measured_exposure(luminances);

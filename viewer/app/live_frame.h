@@ -29,6 +29,9 @@ class LiveFrame {
     /// What is drawn is not what would be seen any more.
     void spoil() { stale_ = true; }
 
+    /// The picture stays what was shown last, until the next draw().
+    void hold() { drawn_ = {}; }
+
     /// Draws where something has changed, or finer where there is time; `resting` s without
     /// movement. `light`: nullptr where there is none yet. False where there was nothing to do.
     bool draw(const LiveLight* light, double resting);

@@ -94,37 +94,47 @@ void Session::step() {
     look_for_damage();
     take_input(seconds);
     move_headlamp();
+    const bool drawn = draw();
+    const bool settled = !light_wanted_ && (!light_ || light_->settled());
+    idle_ = !drawn && (settled || !light_ || !light_->injecting());
+    if (window_.input().take_stir() || drawn || !settled) stirred_at_ = now_seconds();
+    // For a while longer: the exposure settles, the panel answers.
+    const bool stirred = now_seconds() - stirred_at_ < kStirredSeconds;
+    if (stirred || panel_.is_editing() || options_.frames) show(seconds);
+}
+
+/// What is drawn of a file that was cut meanwhile is not shown: the last picture stays.
+bool Session::draw() {
+    if (!intact_) return false;
     step_light();
     const bool drawn = frame_.draw(light_.get(), resting_seconds());
-    const bool busy = drawn || light_wanted_ || (light_ && light_->injecting());
-    if (busy || window_.input().take_stir()) stirred_at_ = now_seconds();
-    idle_ = !busy;
-    // For a while: the exposure settles, the panel answers.
-    if (now_seconds() - stirred_at_ < kStirredSeconds || panel_.is_editing()) show(seconds);
+    look_for_cut();
+    if (!intact_) frame_.hold();
+    return drawn;
 }
 
 /// What is wrong with the file is said; what there is of it is shown.
 void Session::look_for_damage() {
-    if (damage_check_) {
-        if (const auto damage = damage_check_->take()) {
-            damage_check_.reset();
-            warn_of_damage(options_.octree, *damage);
-            for (const std::string& sentence : *damage)
-                state_.file_facts += "\nDAMAGED: " + sentence;
-            if (!damage->empty()) {
-                say(fmt::format("'{}' is damaged: {}; what is shown of it may be wrong",
-                                options_.octree.string(), damage->front()));
-            }
-        }
-    }
-    if (!intact_) return;
+    const auto damage = damage_check_ ? damage_check_->take() : std::nullopt;
+    if (!damage) return;
+    damage_check_.reset();
+    warn_of_damage(options_.octree, *damage);
+    for (const std::string& sentence : *damage)
+        state_.file_facts += "\nDAMAGED: " + sentence;
+    if (damage->empty()) return;
+    say(fmt::format("'{}' is damaged: {}; what is shown of it may be wrong",
+                    options_.octree.string(), damage->front()));
+}
+
+void Session::look_for_cut() {
     try {
         cave_.file.require_intact();
     } catch (const Error& error) {
         intact_ = false;
         spdlog::error(error.what());
         state_.file_facts += fmt::format("\nDAMAGED: {}", error.what());
-        say(fmt::format("{}; what was read of it before stays to be seen", error.what()));
+        say(fmt::format("{}, and drop it here: until then the picture stays as it is",
+                        error.what()));
     }
 }
 
@@ -215,6 +225,7 @@ void Session::moved() {
 /// In the window, and for those who read the log.
 void Session::say(const std::string& sentence) {
     state_.message = sentence;
+    stirred_at_ = now_seconds();
     spdlog::debug("{}", sentence);
 }
 

@@ -39,7 +39,9 @@ class Session {
     // session.cpp: drawing, and light that propagates meanwhile
     bool goes_on() const;
     void step();
+    bool draw();
     void look_for_damage();
+    void look_for_cut();
     View view_of_size(int width, int height) const;
     Scene lit_scene() const;
     void relight_if_changed();

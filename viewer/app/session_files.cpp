@@ -50,6 +50,7 @@ Scene Session::scene_to_save(int width, int height) const {
 void Session::save_picture() {
     const WindowExtent size = window_.framebuffer();
     if (size.width == 0 || size.height == 0) return;
+    if (!intact_) return say("the file was cut: there is no picture to save");
     const std::string name = free_picture_name();
     const auto report = [&](std::uint64_t done, std::uint64_t total) {
         say(fmt::format("saving {}.png: {} %", name,
