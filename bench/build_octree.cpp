@@ -116,7 +116,7 @@ void touch_the_limit(const fs::path& input, const fs::path& output) {
     const std::vector<char> bytes = read_file(input);
     const std::size_t start = header_size(bytes);
     const std::size_t count = (bytes.size() - start) / sizeof(PlyPoint);
-    std::vector<CodeIndex> entries(count);
+    CodeIndices entries(count);
     Grid grid;
     grid.cube_min = {-5, -5, -5};
     grid.cube_edge = 10;

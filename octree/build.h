@@ -9,6 +9,7 @@
 #include "octree/morton.h"
 #include "octree/octree.h"
 #include "octree/progress.h"
+#include "octree/sorted_surfels.h"
 #include "octree/surfel.h"
 
 namespace glowworm {
@@ -40,6 +41,17 @@ void require_tile(const BuildSettings& settings);
 /// Gives samples without a radius one: the median of those that have it, else from the spacing.
 /// Before samples of another kind join a cloud: afterwards theirs would be taken for the cloud's.
 void fill_missing_radii(SurfelCloud& cloud);
+
+/// An octree whose points are sorted but not packed yet.
+struct UnpackedOctree {
+    Octree octree;  ///< all but chunks and surfels
+    SortedSurfels sorted;
+    std::span<const CodeIndex> own = {};  ///< of sorted.codes: the points in the tile
+};
+
+/// All of build_octree but packing the points; `summary` is of the cloud's surfels.
+UnpackedOctree build_tree(SurfelCloud cloud, CloudSummary summary, const BuildSettings& settings,
+                          const Progress& progress);
 
 /// Builds the octree: sort by Morton code, splat into leaves, filter up, pack the points. The same
 /// cloud gives the same bytes on any number of threads. Hand the cloud over where it is not needed

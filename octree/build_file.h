@@ -9,7 +9,7 @@
 namespace glowworm {
 
 struct MemorySettings {
-    std::uint64_t limit = 0;  ///< bytes the whole program may use, 0: as many as it needs
+    std::uint64_t limit = 0;  ///< bytes the whole program may use, 0: what the system has left
     std::filesystem::path temporary_folder = {};  ///< for what does not fit; empty: beside output
 };
 
@@ -21,6 +21,7 @@ struct BuildFileReport {
     std::uint64_t samples = 0, dropped = 0;
     std::uint32_t tiles = 0;          ///< 0: built at once
     std::uint64_t spilled_bytes = 0;  ///< written to the temporary folder
+    std::uint64_t memory_limit = 0;   ///< kept to: the one given or what the system had left
 };
 
 /// Builds an octree file, or with `settings.tile` one tile of it, from a stream, within the memory

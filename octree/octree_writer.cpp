@@ -11,6 +11,12 @@ namespace {
 
 constexpr std::size_t kPieceBytes = 8 << 20;  // between two calls of progress
 
+template <typename Records>
+void write_section(SectionKind kind, const Records& records, OctreeWriter& writer) {
+    writer.begin_section(kind, sizeof records[0]);
+    writer.append(records.data(), records.size() * sizeof records[0]);
+}
+
 }  // namespace
 
 Progress all_done(Progress progress, std::uint64_t total) {
@@ -40,8 +46,23 @@ void OctreeWriter::begin_section(SectionKind kind, std::size_t record_bytes) {
     entry.kind = static_cast<std::uint32_t>(kind);
     entry.record_bytes = static_cast<std::uint32_t>(record_bytes);
     entry.offset = position_;
+    section_open_ = true;
     section_bytes_ = 0;
     XXH3_64bits_reset(hash_->state);
+}
+
+void OctreeWriter::leave_section(SectionKind kind, std::size_t record_bytes, std::size_t count) {
+    begin_section(kind, record_bytes);
+    section_open_ = false;
+    header_.sections[header_.section_count - 1].count = count;
+    position_ += count * record_bytes;
+}
+
+void OctreeWriter::fill_section(SectionKind kind, const void* records, std::size_t bytes) {
+    SectionEntry& entry =
+        *std::ranges::find(header_.sections, static_cast<std::uint32_t>(kind), &SectionEntry::kind);
+    entry.checksum = XXH3_64bits(records, bytes);
+    file_.write_at(entry.offset, records, bytes);
 }
 
 void OctreeWriter::append(const void* records, std::size_t bytes) {
@@ -60,7 +81,8 @@ void OctreeWriter::append(const void* records, std::size_t bytes) {
 }
 
 void OctreeWriter::end_section() {
-    if (header_.section_count == 0) return;
+    if (!section_open_) return;
+    section_open_ = false;
     SectionEntry& entry = header_.sections[header_.section_count - 1];
     entry.count = section_bytes_ / entry.record_bytes;
     entry.checksum = XXH3_64bits_digest(hash_->state);
@@ -89,6 +111,21 @@ void OctreeWriter::finish(const OctreeView& octree) {
     file_.commit(settings_.synced);
 }
 
+void write_tree_sections(const OctreeView& octree, OctreeWriter& writer) {
+    write_section(SectionKind::kLevels, octree.levels, writer);
+    write_section(SectionKind::kNodes, octree.nodes, writer);
+    write_section(SectionKind::kAttributes, octree.attributes, writer);
+    write_section(SectionKind::kLobes, octree.lobes, writer);
+}
+
+void write_table_sections(const OctreeView& octree, OctreeWriter& writer) {
+    write_section(SectionKind::kStations, octree.stations, writer);
+    write_section(SectionKind::kAreaLights, octree.area_lights, writer);
+    write_section(SectionKind::kNames, octree.names, writer);
+    write_section(SectionKind::kProvenance, octree.provenance, writer);
+    if (octree.links_per_lobe > 0) write_section(SectionKind::kLinks, octree.links, writer);
+}
+
 void write_octree_file(const OctreeView& octree, const std::filesystem::path& path) {
     write_octree_file(octree, path, {});
 }
@@ -99,21 +136,10 @@ void write_octree_file(const OctreeView& octree, const std::filesystem::path& pa
                               octree.lobes.size_bytes() + octree.chunks.size_bytes() +
                               octree.surfels.size_bytes() + octree.links.size_bytes();
     OctreeWriter writer(path, settings);
-    const auto section = [&](SectionKind kind, const auto& records) {
-        writer.begin_section(kind, sizeof records[0]);
-        writer.append(records.data(), records.size() * sizeof records[0]);
-    };
-    section(SectionKind::kLevels, octree.levels);
-    section(SectionKind::kNodes, octree.nodes);
-    section(SectionKind::kAttributes, octree.attributes);
-    section(SectionKind::kLobes, octree.lobes);
-    section(SectionKind::kChunks, octree.chunks);
-    section(SectionKind::kSurfels, octree.surfels);
-    section(SectionKind::kStations, octree.stations);
-    section(SectionKind::kAreaLights, octree.area_lights);
-    section(SectionKind::kNames, octree.names);
-    section(SectionKind::kProvenance, octree.provenance);
-    if (octree.links_per_lobe > 0) section(SectionKind::kLinks, octree.links);
+    write_tree_sections(octree, writer);
+    write_section(SectionKind::kChunks, octree.chunks, writer);
+    write_section(SectionKind::kSurfels, octree.surfels, writer);
+    write_table_sections(octree, writer);
     writer.finish(octree);
 }
 

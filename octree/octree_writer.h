@@ -35,11 +35,19 @@ class OctreeWriter {
         append(records.data(), records.size_bytes());
     }
 
+    /// Leaves room for `count` records in place of a section that is filled once they are known.
+    void leave_section(SectionKind kind, std::size_t record_bytes, std::size_t count);
+    template <typename T>
+    void fill_section(SectionKind kind, std::span<const T> records) {
+        fill_section(kind, records.data(), records.size_bytes());
+    }
+
     /// Writes the header from `octree`'s grid, bounds and counts (its spans are not looked at) and
     /// gives the file its name.
     void finish(const OctreeView& octree);
 
   private:
+    void fill_section(SectionKind kind, const void* records, std::size_t bytes);
     void end_section();
 
     struct Hash;
@@ -47,9 +55,14 @@ class OctreeWriter {
     AtomicFile file_;
     std::unique_ptr<Hash> hash_;
     FileHeader header_{};
+    bool section_open_ = false;
     std::uint64_t section_bytes_ = 0;
     std::uint64_t position_ = kSectionAlignment;
 };
+
+/// The sections before the chunks, and those after the points.
+void write_tree_sections(const OctreeView& octree, OctreeWriter& writer);
+void write_table_sections(const OctreeView& octree, OctreeWriter& writer);
 
 /// As the one of octree_file.h. The settings' `expected_bytes` are those of the octree.
 void write_octree_file(const OctreeView& octree, const std::filesystem::path& path,

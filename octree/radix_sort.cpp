@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <vector>
 
 namespace glowworm {
 namespace {
@@ -18,7 +19,7 @@ using Histogram = std::array<std::uint32_t, kDigits>;
 
 }  // namespace
 
-void radix_sort(std::vector<CodeIndex>& entries) {
+void radix_sort(CodeIndices& entries) {
     const auto by_code = [](const CodeIndex& a, const CodeIndex& b) { return a.code < b.code; };
     if (entries.size() < kSmall) {
         std::stable_sort(entries.begin(), entries.end(), by_code);
@@ -31,7 +32,7 @@ void radix_sort(std::vector<CodeIndex>& entries) {
 
     const std::size_t blocks = (entries.size() + kBlock - 1) / kBlock;
     std::vector<Histogram> offsets(blocks);
-    std::vector<CodeIndex> other(entries.size());
+    CodeIndices other(entries.size());
     while (differing != 0) {
         const int shift = std::countr_zero(differing);
         const auto digit = [shift](const CodeIndex& entry) {

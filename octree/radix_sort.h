@@ -2,7 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
+
+#include "octree/unfilled.h"
 
 namespace glowworm {
 
@@ -14,10 +15,12 @@ struct CodeIndex {
 };
 static_assert(sizeof(CodeIndex) == 16);
 
+using CodeIndices = Unfilled<CodeIndex>;
+
 /// Sorts by code, stably, in parallel: equal codes stay in the order they came in, so the result is
 /// the same on any number of threads. Needs as much memory again while it runs. Linear in the
 /// number of entries: byte by byte from the low end, bytes that all codes share are passed over.
-void radix_sort(std::vector<CodeIndex>& entries);
+void radix_sort(CodeIndices& entries);
 
 /// Surfels are read in sorted order, wherever they lie: how far ahead to ask for them.
 inline constexpr std::size_t kPrefetchAhead = 24;

@@ -8,8 +8,9 @@ namespace glowworm {
 /// not say.
 std::uint64_t resident_bytes();
 
-/// What the system could still give to programs, by putting its caches aside; 0 where it does not
-/// say.
-std::uint64_t available_bytes();
+/// What this program may come to occupy: what it does now and nine tenths of what the system could
+/// still give it by putting its caches aside, within the limits set on it (control groups,
+/// `ulimit -d` and `-v`). Without end where the system does not say.
+std::uint64_t memory_left();
 
 }  // namespace glowworm

@@ -8,7 +8,6 @@
 
 #include "octree/error.h"
 #include "octree/node_layout.h"
-#include "octree/resident_memory.h"
 #include "octree/splat.h"
 
 namespace glowworm {
@@ -16,22 +15,16 @@ namespace {
 
 constexpr double kMostNodes = std::numeric_limits<std::uint32_t>::max();
 
-struct Room {
-    std::uint64_t disk, memory;
-    bool holds(const SizeEstimate& size) const {
-        return size.disk <= disk && size.memory <= memory && size.nodes <= kMostNodes;
-    }
-};
-
 std::string in_gigabytes(std::uint64_t bytes) {
     return std::to_string(bytes / 1000000000) + "." + std::to_string(bytes / 100000000 % 10) +
            " GB";
 }
 
 /// The deepest octree over the same cube that fits, as advice.
-std::string what_fits(const CloudSummary& summary, Grid grid, const Room& room) {
+std::string what_fits(const CloudSummary& summary, Grid grid, std::uint64_t disk) {
     while (grid.depth-- > 1) {
-        if (room.holds(estimate_size(summary, grid)))
+        const SizeEstimate size = estimate_size(summary, grid);
+        if (size.disk <= disk && size.nodes <= kMostNodes)
             return "--depth " + std::to_string(grid.depth) + " fits";
     }
     return "thin the points";
@@ -71,19 +64,18 @@ SizeEstimate estimate_size(const CloudSummary& summary, const Grid& grid) {
     return size;
 }
 
-void require_room(const CloudSummary& summary, const Grid& grid, bool at_once,
+void require_room(const CloudSummary& summary, const Grid& grid,
                   const std::filesystem::path& path) {
     constexpr std::uint64_t kAny = std::numeric_limits<std::uint64_t>::max();
     const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
     std::error_code failed;
     const std::filesystem::space_info space = std::filesystem::space(folder, failed);
-    const std::uint64_t memory = at_once ? available_bytes() + resident_bytes() : 0;
-    const Room room{failed ? kAny : space.available, memory > 0 ? memory : kAny};
+    const std::uint64_t disk = failed ? kAny : space.available;
 
     // An estimate: only what is sure not to do is refused.
     const SizeEstimate size = estimate_size(summary, grid);
     const std::string octree = "an octree of depth " + std::to_string(grid.depth);
-    const std::string instead = "; " + what_fits(summary, grid, room);
+    const std::string instead = "; " + what_fits(summary, grid, disk);
     if (size.nodes / 2.0 > kMostNodes) {
         throw Error(ExitCode::kBudget,
                     octree +
@@ -91,16 +83,10 @@ void require_room(const CloudSummary& summary, const Grid& grid, bool at_once,
                         "file holds" +
                         instead);
     }
-    if (size.disk / 2 > room.disk) {
+    if (size.disk / 2 > disk) {
         throw Error(ExitCode::kBudget, octree + " takes about " + in_gigabytes(size.disk) +
                                            " on disk, but '" + folder.string() + "' has " +
-                                           in_gigabytes(room.disk) + " left" + instead);
-    }
-    if (size.memory / 2 > room.memory) {
-        throw Error(ExitCode::kBudget,
-                    octree + " takes about " + in_gigabytes(size.memory) +
-                        " of memory to build at once, but " + in_gigabytes(room.memory) +
-                        " are left; --memory-limit builds it in parts" + instead);
+                                           in_gigabytes(disk) + " left" + instead);
     }
 }
 

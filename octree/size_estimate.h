@@ -12,6 +12,7 @@ namespace glowworm {
 inline constexpr std::uint64_t kBytesPerSurfel = 240;  ///< with a leaf to each
 inline constexpr std::uint64_t kBytesPerLeaf = 260;    ///< node, attributes, lobes and their copies
 inline constexpr std::uint64_t kBytesPerNode = 70;     ///< of those above the leaves
+inline constexpr std::uint64_t kOwnBytes = 24'000'000;  ///< blocks being read, threads, joining
 
 /// What an octree will hold, take on disk (links left out) and take in memory while it is built at
 /// once.
@@ -27,9 +28,7 @@ struct SizeEstimate {
 SizeEstimate estimate_size(const CloudSummary& summary, const Grid& grid);
 
 /// Throws Error (kBudget) where the octree's file will surely not fit on the disk that `path` is
-/// on, or, where it is built at once, its building into the memory that the system has left: before
-/// any work. The sentence names a depth that fits.
-void require_room(const CloudSummary& summary, const Grid& grid, bool at_once,
-                  const std::filesystem::path& path);
+/// on: before any work. The sentence names a depth that fits.
+void require_room(const CloudSummary& summary, const Grid& grid, const std::filesystem::path& path);
 
 }  // namespace glowworm

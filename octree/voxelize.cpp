@@ -25,7 +25,7 @@ struct Block {
 /// Parts of discs in other leaves than their surfel's own: such a leaf's code, the surfel and the
 /// pieces. Few leave their block: the others need to be sorted only inside it.
 struct Strays {
-    std::vector<CodeIndex> near, far;
+    CodeIndices near, far;
 };
 
 /// Blocks of all surfels, in their order. Those of the tile's own, `inside`, end where a leaf does.
@@ -77,15 +77,15 @@ Strays cut_discs(std::span<const Surfel> surfels, const Block& block, const Grid
 }
 
 /// Those that left their blocks, sorted.
-std::vector<CodeIndex> gather_far(std::span<Strays> blocks) {
+CodeIndices gather_far(std::span<Strays> blocks) {
     std::size_t total = 0;
     for (const Strays& block : blocks)
         total += block.far.size();
-    std::vector<CodeIndex> far;
+    CodeIndices far;
     far.reserve(total);
     for (Strays& block : blocks) {
         far.insert(far.end(), block.far.begin(), block.far.end());
-        std::vector<CodeIndex>().swap(block.far);
+        CodeIndices().swap(block.far);
     }
     radix_sort(far);
     return far;
@@ -186,13 +186,13 @@ Leaves voxelize(std::span<const Surfel> surfels, std::span<const CodeIndex> orde
                 const OctreeCell& tile, SharedProgress& progress) {
     // 1. Where discs reach into other leaves than their own.
     const std::vector<Block> blocks = cut_into_blocks(order, entries_in(order, tile), grid);
-    std::vector<PieceSet> own(order.size());
+    Unfilled<PieceSet> own(order.size());
     std::vector<Strays> strays(blocks.size());
     tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
         strays[b] = cut_discs(surfels, blocks[b], grid, tile, own);
         progress.add(blocks[b].end - blocks[b].begin);
     });
-    const std::vector<CodeIndex> far = gather_far(strays);
+    const CodeIndices far = gather_far(strays);
 
     // 2. Leaf by leaf, what lies in it.
     std::vector<Leaves> parts(blocks.size());

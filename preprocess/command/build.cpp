@@ -8,6 +8,7 @@
 #include "octree/error.h"
 #include "octree/links.h"
 #include "octree/octree_writer.h"
+#include "octree/resident_memory.h"
 #include "octree/size_estimate.h"
 #include "octree/spill.h"
 #include "preprocess/command/command.h"
@@ -104,7 +105,9 @@ nlohmann::ordered_json run_build(Run& run, const BuildCommandFlags& flags) {
     const OctreeView& octree = file.view();
     say_octree(octree);
     if (report.tiles > 0)
-        spdlog::info("built in {} tiles to keep within the memory limit, {} spilled", report.tiles,
+        spdlog::info("built in {} tiles to keep within {} of memory, {}; {} spilled", report.tiles,
+                     format_bytes(report.memory_limit),
+                     memory.limit > 0 ? "the limit" : "all that the system has left",
                      format_bytes(report.spilled_bytes));
     return {{"output", output.string()},
             {"samples", octree.sample_count},
@@ -144,11 +147,12 @@ nlohmann::ordered_json plan_build(Run& run, const BuildCommandFlags& flags) {
     const SizeEstimate size = estimate_size(summary, grid);
     const std::uint64_t bytes = size.disk;
     const std::uint64_t memory = memory_to_build(0) + size.memory;
-    const bool spills = run.flags.memory_limit > 0 && memory > run.flags.memory_limit;
+    const std::uint64_t room = run.flags.memory_limit > 0 ? run.flags.memory_limit : memory_left();
+    const bool spills = memory > room;
     const std::uint64_t temporary = spills ? bytes + summary.usable * sizeof(Surfel) * 5 / 4 : 0;
     const double seconds = (samples + size.leaves) * (spills ? 2e-6 : 1e-6);
     spdlog::info("depth {}, leaves of {}; {} of memory, {} on disk, about {:.0f} s", grid.depth,
-                 format_length(voxel), format_bytes(spills ? run.flags.memory_limit : memory),
+                 format_length(voxel), format_bytes(std::min(memory, room)),
                  format_bytes(bytes + temporary), seconds);
     if (size.leaves > 4.0 * samples) {
         spdlog::warn(
@@ -156,12 +160,12 @@ nlohmann::ordered_json plan_build(Run& run, const BuildCommandFlags& flags) {
             "distance; a smaller --depth shows as much",
             size.leaves / samples);
     }
-    require_room(summary, grid, run.flags.memory_limit == 0, run.flags.output);
+    require_room(summary, grid, run.flags.output);
     return {{"samples", summary.usable},
             {"dropped", summary.dropped + stream.dropped},
             {"depth", grid.depth},
             {"voxel_size", voxel},
-            {"memory", spills ? run.flags.memory_limit : memory},
+            {"memory", std::min(memory, room)},
             {"disk", bytes},
             {"temporary_disk", temporary},
             {"seconds", seconds},

@@ -1,7 +1,6 @@
 #include "preprocess/surface/surfel_file.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +20,7 @@ namespace glowworm {
 namespace {
 
 constexpr std::size_t kBatch = 65536;
+constexpr std::size_t kBlocksAtOnce = 3;  ///< of 65536 points: 10 MB each while they are converted
 constexpr std::uint64_t kBytesPerPoint = 100;  ///< of a PointCloud's columns, with their growth
 
 /// How the points of a file become surfels: the same for every block.
@@ -67,22 +67,32 @@ void read_surfels(const Conversion& conversion,
     const std::unique_ptr<ScanFile> file = open_scan_file(conversion.path, conversion.settings);
     ScanHeader header;
     file->next_scan(header);
-    PointBlock block;
-    Points points;
-    std::vector<Surfel> surfels;
-    while (file->next_block(block)) {
-        to_points(block, conversion, points);
-        surfels.resize(points.size());
-        tbb::parallel_for(
-            tbb::blocked_range<std::size_t>(0, points.size(), 4096), [&](const auto& range) {
-                for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                    surfels[i] = to_surfel(
-                        points, i, points.radii[i],
-                        conversion.coloured ? points.colours[i] : conversion.default_albedo);
-                }
-            });
-        visit(surfels);
-    }
+    // One block is read while another is converted and a third is used.
+    const auto read = [&](tbb::flow_control& flow) {
+        auto block = std::make_shared<PointBlock>();
+        if (!file->next_block(*block)) flow.stop();
+        return block;
+    };
+    const auto convert = [&](const std::shared_ptr<PointBlock>& block) {
+        Points points;
+        to_points(*block, conversion, points);
+        auto surfels = std::make_shared<std::vector<Surfel>>(points.size());
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            (*surfels)[i] =
+                to_surfel(points, i, points.radii[i],
+                          conversion.coloured ? points.colours[i] : conversion.default_albedo);
+        }
+        return surfels;
+    };
+    using Block = std::shared_ptr<PointBlock>;
+    using Surfels = std::shared_ptr<std::vector<Surfel>>;
+    using tbb::filter_mode;
+    tbb::parallel_pipeline(
+        kBlocksAtOnce,
+        tbb::make_filter<void, Block>(filter_mode::serial_in_order, read) &
+            tbb::make_filter<Block, Surfels>(filter_mode::parallel, convert) &
+            tbb::make_filter<Surfels, void>(filter_mode::serial_in_order,
+                                            [&](const Surfels& surfels) { visit(*surfels); }));
 }
 
 /// Whether any point has a colour: a scanner that took no pictures often writes black.

@@ -38,10 +38,10 @@ TEST(Morton, EveryBitStandsWhereTheLoopPutsIt) {
 TEST(RadixSort, EqualsAStableSort) {
     std::mt19937_64 random(3);
     for (const std::uint64_t mask : {~0ull >> 1, 0xffull, 0xff0000ff000000ull, 0ull}) {
-        std::vector<CodeIndex> entries(300000);
+        CodeIndices entries(300000);
         for (std::uint32_t i = 0; i < entries.size(); ++i)
             entries[i] = {random() & mask, i, i * 7};
-        std::vector<CodeIndex> truth = entries;
+        CodeIndices truth = entries;
         std::stable_sort(truth.begin(), truth.end(),
                          [](const CodeIndex& a, const CodeIndex& b) { return a.code < b.code; });
         radix_sort(entries);
