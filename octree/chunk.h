@@ -20,9 +20,21 @@ struct SurfelRange {
     std::uint64_t size() const { return end - begin; }
 };
 
-/// Cuts surfels in Morton order into chunks of at most kMaxChunkSurfels. A cell that holds more is
-/// split; of its children, neighbours in Morton order share a chunk while they fit in one. `codes`
-/// are at level 21, ascending. Below level 21 the order alone decides.
+/// A chunk's positions are good to 1/16 of the distance between its points where these lie densest:
+/// of 17 points no two may be nearer than a 512th of the box in all three axes, unless the box is
+/// as small as that of level kFinestNeededLevel, when positions are finer than floats.
+inline constexpr std::size_t kDensePoints = 17;
+inline constexpr std::uint32_t kDenseLevels = 9;
+inline constexpr std::uint32_t kFinestNeededLevel = 12;
+
+/// The level of the largest box that is fine enough for surfels: 0..kFinestNeededLevel. `codes`: at
+/// level 21, ascending. That of neighbouring cells together is the deeper one of theirs.
+std::uint32_t needed_box_level(std::span<const CodeIndex> codes);
+
+/// Cuts surfels in Morton order into chunks of at most kMaxChunkSurfels whose boxes are as small as
+/// they need to be. A cell that holds more is split; of its children, neighbours in Morton order
+/// share a chunk while they fit in one. `order` is at level 21, ascending. Below level 21 it alone
+/// decides.
 std::vector<SurfelRange> split_into_chunks(std::span<const CodeIndex> order);
 
 /// A chunk's level-of-detail order. `codes`: [n] Morton codes of 16 levels, ascending. Returns the

@@ -6,6 +6,7 @@
 
 #include "octree/error.h"
 #include "octree/filter.h"
+#include "octree/merge_chunks.h"
 
 namespace glowworm {
 namespace {
@@ -33,7 +34,7 @@ class CrownBuilder {
             roots.push_back({tile, 0});
         if (roots.size() > 1) join_cell(roots, 0);
         const auto last = static_cast<std::uint32_t>(tiles_.size());
-        if (samples(0, last) <= kMaxChunkSurfels) {
+        if (fit(0, last)) {
             add_chunks(0, last);
         } else {
             split_cell(roots, 0);
@@ -77,11 +78,8 @@ class CrownBuilder {
         return crown_.levels[level][place].attributes;
     }
 
-    std::uint64_t samples(std::uint32_t first, std::uint32_t end) const {
-        std::uint64_t sum = 0;
-        for (std::uint32_t tile = first; tile < end; ++tile)
-            sum += tiles_[tile].sample_count;
-        return sum;
+    bool fit(std::uint32_t first, std::uint32_t end) const {
+        return fit_one_chunk(tiles_.subspan(first, end - first));
     }
 
     void add_chunks(std::uint32_t first, std::uint32_t end) {
@@ -104,11 +102,11 @@ class CrownBuilder {
             if (child.empty()) continue;
             if (child.front().tile != next) refuse("the tiles are not cells of one grid");
             const std::uint32_t end = child.back().tile + 1;
-            if (samples(next, end) > kMaxChunkSurfels) {
+            if (!fit(next, end)) {
                 add_chunks(first, next);
                 split_cell(child, level + 1);
                 first = end;
-            } else if (samples(first, end) > kMaxChunkSurfels) {
+            } else if (!fit(first, end)) {
                 add_chunks(first, next);
                 first = next;
             }

@@ -46,7 +46,44 @@ PackedSurfel recount(PackedSurfel surfel, const OctreeCell& from, const OctreeCe
     return surfel;
 }
 
+/// Morton code at level 21; what lies below the position's own levels is 0.
+std::uint64_t full_code_of(const PackedSurfel& surfel, const OctreeCell& box) {
+    constexpr std::uint32_t kPositionLevels = 16;
+    const std::uint64_t inside = morton_encode(
+        {surfel.position_xy & 0xffff, surfel.position_xy >> 16, surfel.position_z_radius & 0xffff});
+    const std::uint32_t levels = kMortonLevels - box.level;  // to be filled from the position
+    return box.code << 3 * levels |
+           (levels < kPositionLevels ? inside >> 3 * (kPositionLevels - levels)
+                                     : inside << 3 * (levels - kPositionLevels));
+}
+
 }  // namespace
+
+bool fit_one_chunk(std::span<const OctreeView> tiles) {
+    std::uint64_t samples = 0;
+    std::vector<const OctreeView*> with_points;
+    for (const OctreeView& tile : tiles) {
+        samples += tile.sample_count;
+        if (tile.sample_count > 0) with_points.push_back(&tile);
+    }
+    if (samples > kMaxChunkSurfels) return false;
+    const auto has_one = [](const OctreeView* tile) { return tile->chunks.size() == 1; };
+    if (!std::ranges::all_of(with_points, has_one)) return false;  // some needed smaller boxes
+    if (with_points.size() < 2) return true;
+
+    const Grid& grid = tiles.front().grid;
+    CodeIndices codes;
+    codes.reserve(samples);
+    for (const OctreeView* tile : with_points) {
+        const OctreeCell box = box_of(grid, tile->chunks[0]);
+        for (const PackedSurfel& surfel : tile->surfels)
+            codes.push_back({full_code_of(surfel, box), 0, 0});
+    }
+    radix_sort(codes);
+    const OctreeCell box = common_cell(box_of(grid, with_points.front()->chunks[0]),
+                                       box_of(grid, with_points.back()->chunks[0]));
+    return needed_box_level(codes) <= box.level;
+}
 
 MergedChunk merge_chunks(std::span<const OctreeView> tiles) {
     const Grid& grid = tiles.front().grid;

@@ -1,6 +1,8 @@
 #include "octree/chunk.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <numbers>
 #include <random>
 #include <set>
 
@@ -60,6 +62,78 @@ TEST(Chunks, PositionsErrByLessThanASixteenthOfTheSpacing) {
     }
     EXPECT_LT(worst_z, spacing / 16.0);
     EXPECT_LT(worst_radius, spacing / 16.0);
+}
+
+/// How far points err after packing, in local spacings: of each of `probes` surfels, from the
+/// distance to its 16th neighbour. Surfels carry their index as station and light.
+double worst_error(const SurfelCloud& cloud, const Octree& octree, std::size_t probes) {
+    std::vector<Vec3d> packed(cloud.surfels.size());
+    for (const Chunk& chunk : octree.chunks) {
+        for (std::uint32_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
+            const Surfel s = unpack_surfel(chunk, octree.surfels[i]);
+            packed[s.station | s.light << 16] = vec3_cast<double>(s.position);
+        }
+    }
+    double worst = 0.0;
+    std::vector<double> distances(cloud.surfels.size());
+    for (std::size_t probe = 0; probe < probes; ++probe) {
+        const std::size_t i = probe * 7919 % cloud.surfels.size();
+        const Vec3d p = vec3_cast<double>(cloud.surfels[i].position);
+        std::ranges::transform(cloud.surfels, distances.begin(), [&](const Surfel& s) {
+            return length(vec3_cast<double>(s.position) - p);
+        });
+        std::ranges::nth_element(distances, distances.begin() + 16);
+        const double spacing = distances[16] * std::sqrt(std::numbers::pi / 17.0);
+        worst = std::max(worst, length(packed[i] - p) / spacing);
+    }
+    return worst;
+}
+
+/// A wall of 100 m, and on it `spots` spots of `points` points that lie `spacing` (m) apart.
+SurfelCloud uneven_wall(std::size_t sparse, int spots, std::size_t points, float spacing) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
+    SurfelCloud cloud;
+    cloud.stations.resize(1);
+    const auto add = [&](float x, float z) {
+        const auto index = static_cast<std::uint32_t>(cloud.surfels.size());
+        cloud.surfels.push_back(surfel_at({x, 0.3f * x, z}, {0, 1, 0}, 0.1f));
+        cloud.surfels.back().station = index & 0xffff;
+        cloud.surfels.back().light = index >> 16;
+    };
+    for (std::size_t i = 0; i < sparse; ++i)
+        add(50.0f * unit(random), 50.0f * unit(random));
+    const float half = 0.5f * spacing * std::sqrt(static_cast<float>(points));
+    for (int spot = 0; spot < spots; ++spot) {
+        // Near the middle, where floats are fine enough to tell the points apart.
+        const float x = 0.4f * unit(random), z = 0.4f * unit(random);
+        for (std::size_t i = 0; i < points; ++i)
+            add(x + half * unit(random), z + half * unit(random));
+    }
+    return cloud;
+}
+
+TEST(Chunks, PositionsErrByLessThanASixteenthOfTheSpacingWhereChunksAreUneven) {
+    struct Case {
+        std::size_t sparse;
+        int spots;
+        std::size_t points;
+        float spacing;
+    };
+    for (const Case& c : {Case{20000, 1, 20000, 1e-4f}, Case{60000, 3, 1000, 1e-4f},
+                          Case{5000, 200, 100, 3e-5f}, Case{1000, 1, 60, 1e-5f}}) {
+        const SurfelCloud cloud = uneven_wall(c.sparse, c.spots, c.points, c.spacing);
+        const Octree octree = build_octree(cloud, {.depth = 6});
+        const double worst = worst_error(cloud, octree, 400);
+        const std::size_t points = cloud.surfels.size();
+        const auto bytes = static_cast<double>(octree.chunks.size() * sizeof(Chunk) +
+                                               octree.surfels.size() * sizeof(PackedSurfel));
+        std::printf(
+            "%zu points: %zu chunks, %.2f bytes a point, worst error 1/%.1f of the spacing\n",
+            points, octree.chunks.size(), bytes / static_cast<double>(points), 1.0 / worst);
+        EXPECT_LT(worst, 1.0 / 16.0);
+        EXPECT_LT(bytes, 20.5 * static_cast<double>(points));
+    }
 }
 
 TEST(Chunks, WhatASurfelHasComesBack) {

@@ -77,6 +77,19 @@ TEST(Join, TilesAsSmallAsLeavesAndAsUnevenAsCanBe) {
     expect_tiles_join_to_one_build(cloud, 7, 2);
 }
 
+TEST(Join, TilesWhosePointsLieTooDenselyForOneChunk) {
+    SurfelCloud cloud = random_cloud(1200, 0.05f);
+    for (std::size_t i = 0; i < 400; ++i) {
+        // Spots on the border of tiles, and inside one.
+        const float centre = i % 3 == 0 ? 0.0f : i % 3 == 1 ? -1.1f : 0.7f;
+        Surfel& s = cloud.surfels[i];
+        s.position = s.position * 1e-4f + Vec3f{centre, centre, centre};
+    }
+    expect_tiles_join_to_one_build(cloud, 5, 1);
+    expect_tiles_join_to_one_build(cloud, 5, 2);
+    expect_tiles_join_to_one_build(cloud, 5, 3);
+}
+
 TEST(Join, TilesThatDoNotBelongTogetherAreRefused) {
     const ScratchFolder folder;
     const SurfelCloud cloud = random_cloud(1000, 0.02f);
