@@ -6,6 +6,8 @@ CONSTANT float kNearDepth = 0.02f;         // m: what is nearer is not drawn
 CONSTANT float kSmallestRadius = 0.75f;    // pixels: a disc covers at least the pixel it lies in
 CONSTANT float kFlattestCosine = 0.15f;    // a disc seen more edge-on is tilted this far toward the eye
 
+CONSTANT float kLeastWeight = 1.0f / 4096.0f;   // so that what is covered has a weight
+
 // With e the pixels from `middle`, a ray meets the disc's plane where `lean`, 1 + slope . e, divides
 // the centre's depth. There it lies e' form e / lean^2 off the middle, squared, 1 at the radius: an
 // ellipse. Orthographic: lean is 1, and depth grows by slope . e.
@@ -131,9 +133,9 @@ void splat_at(Splat splat, FLOATS x, FLOATS y, OUT(FLOATS) depth, OUT(FLOATS) of
     depth = depth > kNearDepth ? depth : 0.0f * depth;
 }
 
-// A disc's weight: 1 in the middle, 0 where `off` (splat_at) reaches `most`.
+// A disc's weight: 1 in the middle, least where `off` (splat_at) reaches `most`.
 FLOATS splat_weight(FLOATS off, float most) {
     FLOATS rim = 1.0f - off / most;
     FLOATS squared = rim * rim;
-    return squared * squared;
+    return max(squared * squared, kLeastWeight);
 }

@@ -10,7 +10,6 @@
 // order, so the same frame gives the same bits.
 CONSTANT uint kFarthest = 0x7f800000u;   // depth where nothing was hit: +infinity
 CONSTANT float kFixedOne = 65536.0f;
-CONSTANT float kLeastWeight = 1.0f / 4096.0f;
 
 // What one disc adds.
 struct SurfaceShare {
@@ -20,9 +19,10 @@ struct SurfaceShare {
     INTS behind;                         // m behind the nearest
 };
 
+// Nothing where its weight is 0.
 SurfaceShare share_of_surface(FLOATS weight, vec3 normal, vec3 albedo, float ndf_length,
                               FLOATS behind) {
-    FLOATS w = max(weight, kLeastWeight) * kFixedOne;
+    FLOATS w = weight * kFixedOne;
     SurfaceShare share;
     share.normal_x = TO_INTS(normal.x * w);
     share.normal_y = TO_INTS(normal.y * w);

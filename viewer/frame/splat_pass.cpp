@@ -117,17 +117,16 @@ template <typename T>
 using Groups = std::array<T, std::size_t{kTile} * kGroups>;
 using Share = SplatTopics::SurfaceShare;
 
-/// Adds the lanes that count (-1, else 0).
-void add_part(Share& sums, gpu::Ints counts, const Share& more) {
-    sums.normal_x += more.normal_x & counts;
-    sums.normal_y += more.normal_y & counts;
-    sums.normal_z += more.normal_z & counts;
-    sums.weight += more.weight & counts;
-    sums.red += more.red & counts;
-    sums.green += more.green & counts;
-    sums.blue += more.blue & counts;
-    sums.ndf_length += more.ndf_length & counts;
-    sums.behind += more.behind & counts;
+void add_to(Share& sums, const Share& more) {
+    sums.normal_x += more.normal_x;
+    sums.normal_y += more.normal_y;
+    sums.normal_z += more.normal_z;
+    sums.weight += more.weight;
+    sums.red += more.red;
+    sums.green += more.green;
+    sums.blue += more.blue;
+    sums.ndf_length += more.ndf_length;
+    sums.behind += more.behind;
 }
 
 template <typename Visit>
@@ -328,9 +327,10 @@ void SplatPass::Picture::blend(const Tile& tile, SplatTopics& own, Groups<Share>
                              const gpu::Ints counts =
                                  (depth > 0.0f) & (behind <= disc.splat.radius) & (off < 1.0f);
                              if (!gpu::any_of(counts)) return;
-                             add_part(sums[group], counts,
-                                      own.share_of_surface(own.splat_weight(off, 1.0f), disc.normal,
-                                                           albedo, ndf_length, behind));
+                             const gpu::Floats weight = own.splat_weight(off, 1.0f);
+                             add_to(sums[group],
+                                 own.share_of_surface(counts ? weight : 0.0f, disc.normal, albedo,
+                                                      ndf_length, counts ? behind : 0.0f));
                          });
         });
     }
@@ -421,13 +421,13 @@ void SplatPass::Picture::open_rims(const Tile& tile, SplatTopics& own,
         const float behind = depth - depths[pixel(x, y)];
         const float most = own.reach_beside(rims[pixel(x, y)], behind, disc.splat.radius);
         if (behind > disc.splat.radius || off >= most) return;
-        gpu::Ints lane{};
-        lane[tile.lane(x)] = -1;
-        add_part(sums[tile.group(x, y)], lane,
-                 own.share_of_surface(own.splat_weight(off + gpu::Floats{}, most), disc.normal,
-                                      own.surfel_albedo({.albedo_ndf = disc.albedo_ndf}),
-                                      own.surfel_ndf_length({.albedo_ndf = disc.albedo_ndf}),
-                                      behind + gpu::Floats{}));
+        gpu::Floats weight{};
+        weight[tile.lane(x)] = own.splat_weight(off + gpu::Floats{}, most)[0];
+        add_to(sums[tile.group(x, y)],
+            own.share_of_surface(weight, disc.normal,
+                                 own.surfel_albedo({.albedo_ndf = disc.albedo_ndf}),
+                                 own.surfel_ndf_length({.albedo_ndf = disc.albedo_ndf}),
+                                 behind + gpu::Floats{}));
     });
 }
 
