@@ -47,13 +47,14 @@ struct ViewBlock {
     vec4 clip_high;
 };
 
-// A chunk that is drawn, each of its surfels grown by `scale`.
+// A chunk that is drawn. Its first surfels are an even subsample: beyond `full_depth` fewer of them
+// are dense enough, and those grow for it (splat.glsl).
 struct DrawnChunk {
-    vec4 box;      // xyz: lower corner, m, relative to the octree's origin; w: edge, m
-    float scale;   // disc radius over stored radius
+    vec4 box;           // xyz: lower corner, m, relative to the octree's origin; w: edge, m
+    float scale;        // disc radius over stored radius, up to full_depth
+    float full_depth;   // m: as far as all are drawn
+    uint count;         // surfels drawn there, its first ones
     uint unused_0;
-    uint unused_1;
-    uint unused_2;
 };
 
 // What one workgroup of a splatting pass draws: at most SPLAT_GROUP surfels of one chunk.
@@ -61,7 +62,7 @@ struct SplatBatch {
     uint chunk;   // index into the drawn chunks
     uint first;   // first surfel in the bound page
     uint count;
-    uint unused_0;
+    uint rank;    // the first's place in its chunk
 };
 #define SPLAT_GROUP 128
 

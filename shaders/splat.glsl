@@ -76,17 +76,20 @@ bool make_splat(vec3 centre, vec3 normal, float radius, OUT(Splat) splat) {
     return true;
 }
 
-// A surfel's disc; false where there is none to draw.
-bool splat_of(PackedSurfel surfel, DrawnChunk chunk, OUT(Splat) splat) {
+// The disc of a surfel that is the `rank`-th of its chunk; false where there is none to draw.
+bool splat_of(PackedSurfel surfel, uint rank, DrawnChunk chunk, OUT(Splat) splat) {
     if (surfel_light(surfel) != 0u) return false;   // panels are drawn as exact rectangles
     vec3 position = surfel_position(surfel, chunk.box);
     if (any(lessThan(position, vec3(view.clip_low))) ||
         any(greaterThan(position, vec3(view.clip_high)))) {
         return false;
     }
-    return make_splat(camera_from_octree(position),
-                      camera_from_octree_direction(surfel_normal(surfel)),
-                      surfel_radius(surfel) * chunk.scale, splat);
+    // What lies twice as deep is dense enough with a quarter of the surfels, twice as large.
+    vec3 centre = camera_from_octree(position);
+    float farther = max(centre.z / chunk.full_depth, 1.0f);
+    if (float(rank) * farther * farther >= float(chunk.count)) return false;
+    return make_splat(centre, camera_from_octree_direction(surfel_normal(surfel)),
+                      surfel_radius(surfel) * chunk.scale * farther, splat);
 }
 
 // The pixels within which a disc counts up to `reach` times its radius: lowest, highest. Those of its

@@ -13,5 +13,5 @@ bool this_splat(out PackedSurfel surfel, out Splat splat) {
     SplatBatch batch = batches[first_batch + group];
     if (gl_LocalInvocationID.x >= batch.count) return false;
     surfel = surfels[batch.first + gl_LocalInvocationID.x];
-    return splat_of(surfel, chunks[batch.chunk], splat);
+    return splat_of(surfel, batch.rank + gl_LocalInvocationID.x, chunks[batch.chunk], splat);
 }

@@ -1,9 +1,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "viewer/frame/selection.h"
+#include "viewer/frame/tile_bins.h"
 
 namespace glowworm {
 namespace {
@@ -112,6 +115,49 @@ TEST(Selection, FitsIntoBlocksEvenlyAndNeverLosesAChunk) {
     std::vector<ChunkSelection> least = all;
     fit_into(least, 0, 100);
     EXPECT_EQ(least[0].count, 100u) << "a block each, whatever there is";
+}
+
+TEST(Selection, DrawsAllOfWhatItTakesAsFarAsTheirSpacingIsWhatIsAskedFor) {
+    const std::vector<Chunk> chunks = {chunk_at({0, 8, 0}, 1, 100000)};
+    const View view = view_to_the_north();
+    const SelectionSettings settings{.quality = 0.7f};
+    const auto selected = select(chunks, view, settings);
+    ASSERT_EQ(selected.size(), 1u);
+    ASSERT_LT(selected[0].count, 100000u);
+    const double spacing = chunks[0].spacing * std::sqrt(100000.0 / selected[0].count);
+    EXPECT_NEAR(spacing * view.focal / selected[0].full_depth, 0.7, 1e-3) << "pixels";
+    const ChunkSelection fewer = thinned(selected[0], selected[0].count / 4);
+    EXPECT_NEAR(fewer.full_depth, 2.0 * selected[0].full_depth, 0.01);
+    EXPECT_NEAR(fewer.scale, 2.0 * selected[0].scale, 0.01);
+}
+
+TEST(TileBins, HoldTheBoxesThatTouchThemAndNoOthers) {
+    constexpr int kWidth = 100, kHeight = 70, kColumns = 4, kRows = 3;
+    constexpr std::size_t kRun = 64;
+    const std::vector<std::uint32_t> used = {64, 0, 17, 40, 1};
+    std::mt19937 random(6);
+    std::uniform_int_distribution<int> x(0, kWidth - 1), y(0, kHeight - 1), size(-1, 40);
+    std::vector<PixelBox> boxes(used.size() * kRun);
+    for (PixelBox& box : boxes) {
+        box.low_x = static_cast<std::int16_t>(x(random));
+        box.low_y = static_cast<std::int16_t>(y(random));
+        box.high_x = static_cast<std::int16_t>(std::min(box.low_x + size(random), kWidth - 1));
+        box.high_y = static_cast<std::int16_t>(std::min(box.low_y + size(random), kHeight - 1));
+    }
+    const TileBins bins(boxes, kRun, used, kWidth, kHeight);
+    constexpr int kTile = TileBins::kTile;
+    for (int tile = 0; tile < kColumns * kRows; ++tile) {
+        const int left = tile % kColumns * kTile, top = tile / kColumns * kTile;
+        std::vector<std::uint32_t> truth;
+        for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+            const PixelBox& box = boxes[i];
+            if (i % kRun < used[i / kRun] && !box.empty() && box.high_x >= left &&
+                box.high_y >= top && box.low_x < left + kTile && box.low_y < top + kTile)
+                truth.push_back(i);
+        }
+        const auto bin = bins.of(static_cast<std::size_t>(tile));
+        EXPECT_EQ(std::vector<std::uint32_t>(bin.begin(), bin.end()), truth) << tile;
+    }
 }
 
 TEST(Selection, ReturnsNothingForNothing) {

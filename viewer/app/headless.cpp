@@ -90,6 +90,12 @@ Json render_frame(const Context& context, const Cave& cave, const LightField& li
     frame.set_panels(start.scene.area_lights);
     const FrameLayers layers = frame.render(view, light, console.phase("frame", "pixels"));
     cave.file.require_intact();
+    if (frame.surfels_without_room() > 0) {
+        spdlog::warn(
+            "drawn coarser than it is: --gpu-memory has no room for {} of the points this view "
+            "wants",
+            frame.surfels_without_room());
+    }
 
     Json result{{"camera", camera.name}, {"width", camera.width}, {"height", camera.height}};
     const double stops = write_frame(layers, view, options.display, options.output);

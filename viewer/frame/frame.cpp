@@ -14,11 +14,17 @@ struct PixelSums {
     float depth = 0.0f, ndf_length = 0.0f, hits = 0.0f;
 };
 
-/// How many chunks, the nearest, hold a quarter of what is selected.
-std::size_t nearest_part(std::span<const ChunkSelection> selection) {
-    std::uint64_t all = 0, before = 0;
+std::uint64_t surfels_in(std::span<const ChunkSelection> selection) {
+    std::uint64_t all = 0;
     for (const ChunkSelection& selected : selection)
         all += selected.count;
+    return all;
+}
+
+/// How many chunks, the nearest, hold a quarter of what is selected.
+std::size_t nearest_part(std::span<const ChunkSelection> selection) {
+    const std::uint64_t all = surfels_in(selection);
+    std::uint64_t before = 0;
     std::size_t part = 0;
     while (part < selection.size() && 4 * before < all)
         before += selection[part++].count;
@@ -93,7 +99,9 @@ void Frame::draw_surfaces(const View& view, Missing missing, PassTimer* timer) {
     timed(timer, "select", [&] {
         wanted =
             select_chunks(octree_.chunks, boxes_, octree_.grid.origin, view, settings_.selection);
+        const std::uint64_t all = surfels_in(wanted);
         fit_into(wanted, cloud_.blocks_for(wanted.size()), SurfelCache::kBlock);
+        surfels_without_room_ = all - surfels_in(wanted);
         first = seen_.empty() ? nearest_part(wanted) : put_seen_first(wanted, seen_);
     });
     const auto as_drawn = [&](const ChunkSelection& selected) {
@@ -103,13 +111,17 @@ void Frame::draw_surfaces(const View& view, Missing missing, PassTimer* timer) {
         if (wait) cloud_.load(part);
         std::vector<ChunkSelection> drawn(part.size());
         std::ranges::transform(part, drawn.begin(), as_drawn);
-        for (const ChunkSelection& chunk : drawn)
-            surfels_drawn_ += chunk.count;
+        surfels_drawn_ += surfels_in(drawn);
         gbuffer_.add(octree_, cloud_, drawn, timer);
     };
     const auto hidden = [&](const DepthPyramid& pyramid, const ChunkSelection& selected) {
-        const double radius = as_drawn(selected).scale * octree_.chunks[selected.chunk].max_radius;
-        return is_hidden(pyramid, view, octree_.grid.origin, boxes_[selected.chunk], radius);
+        const ChunkSelection drawn = as_drawn(selected);
+        const ChunkBox& box = boxes_[selected.chunk];
+        const double depth =
+            dot(octree_.grid.origin + box.centre - view.position, view.forward) + length(box.half);
+        const double radius = drawn.scale * std::max(depth / drawn.full_depth, 1.0) *
+                              octree_.chunks[selected.chunk].max_radius;
+        return is_hidden(pyramid, view, octree_.grid.origin, box, radius);
     };
 
     surfels_drawn_ = 0;
@@ -124,9 +136,7 @@ void Frame::draw_surfaces(const View& view, Missing missing, PassTimer* timer) {
         add(std::span(rest, visible_end));
         pyramid = gbuffer_.pyramid(timer);
     }
-    surfels_hidden_ = 0;
-    for (auto chunk = visible_end; chunk != wanted.end(); ++chunk)
-        surfels_hidden_ += chunk->count;
+    surfels_hidden_ = surfels_in(std::span(visible_end, wanted.end()));
     wanted.erase(visible_end, wanted.end());
     gbuffer_.finish(cloud_, timer);
 
@@ -139,7 +149,7 @@ void Frame::draw_surfaces(const View& view, Missing missing, PassTimer* timer) {
 FrameLayers Frame::render(const View& view, const LightField& light, const Progress& progress) {
     const int samples = settings_.samples, edge = kTileEdge / samples;
     FrameLayers layers(view.width, view.height);
-    std::uint64_t done = 0;
+    std::uint64_t done = 0, without_room = 0;
     for (int top = 0; top < view.height; top += edge) {
         for (int left = 0; left < view.width; left += edge) {
             const int width = std::min(edge, view.width - left);
@@ -147,6 +157,7 @@ FrameLayers Frame::render(const View& view, const LightField& light, const Progr
             seen_.clear();  // a frame does not depend on those before it
             const View tile = supersampled(tile_of(view, left, top, width, height), samples);
             draw_surfaces(tile, Missing::kWaitFor, nullptr);
+            without_room = std::max(without_room, surfels_without_room_);
             shading_.draw(gbuffer_, light, tile, samples, settings_.wetness);
 
             const std::size_t count = static_cast<std::size_t>(width * height * samples * samples);
@@ -171,6 +182,7 @@ FrameLayers Frame::render(const View& view, const LightField& light, const Progr
             if (progress) progress(done, layers.depth.size());
         }
     }
+    surfels_without_room_ = without_room;
     return layers;
 }
 

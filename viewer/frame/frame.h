@@ -51,9 +51,12 @@ class Frame {
     }
     void set_wetness(float wetness) { settings_.wetness = wetness; }
     void set_selection(const SelectionSettings& selection) { settings_.selection = selection; }
-    std::uint64_t surfels_drawn() const { return surfels_drawn_; }  ///< by the last draw
+    /// By the last draw; of these what lies deep is thinned further (ChunkSelection::full_depth).
+    std::uint64_t surfels_drawn() const { return surfels_drawn_; }
     /// By the last draw left out, behind others.
     std::uint64_t surfels_hidden() const { return surfels_hidden_; }
+    /// That the last draw or render wanted of one view and point_memory has no room for.
+    std::uint64_t surfels_without_room() const { return surfels_without_room_; }
 
     /// What draw() does before it shades: `view`'s surfaces lie in gbuffer() afterwards.
     void draw_surfaces(const View& view, Missing missing, PassTimer* timer = nullptr);
@@ -67,7 +70,7 @@ class Frame {
     Shading shading_;
     std::vector<bool> seen_;  ///< [chunks] in the last frame; empty before the first
     bool complete_ = true;
-    std::uint64_t surfels_drawn_ = 0, surfels_hidden_ = 0;
+    std::uint64_t surfels_drawn_ = 0, surfels_hidden_ = 0, surfels_without_room_ = 0;
 };
 
 }  // namespace glowworm

@@ -69,14 +69,15 @@ void GBuffer::add(const OctreeView& octree, const SurfelCache& cloud,
         const auto index = static_cast<std::uint32_t>(chunks_.size());
         chunks_.push_back({{chunk.box_min[0], chunk.box_min[1], chunk.box_min[2], chunk.box_edge},
                            drawn.scale,
-                           0,
-                           0,
+                           drawn.full_depth,
+                           drawn.count,
                            0});
         static_assert(SurfelCache::kBlock % SPLAT_GROUP == 0);
         for (std::uint32_t first = 0; first < drawn.count; first += SPLAT_GROUP) {
             const auto place = cloud.place_of(drawn.chunk, first / SurfelCache::kBlock);
             of_page[place.page].push_back({index, place.first + first % SurfelCache::kBlock,
-                                           std::min(drawn.count - first, uint{SPLAT_GROUP}), 0});
+                                           std::min(drawn.count - first, uint{SPLAT_GROUP}),
+                                           first});
         }
     }
     const std::size_t first_draw = draws_.size();

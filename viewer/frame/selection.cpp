@@ -68,8 +68,8 @@ std::uint32_t share_of(const Chunk& chunk, double share) {
 
 ChunkSelection thinned(const ChunkSelection& selected, std::uint32_t count) {
     if (count >= selected.count) return selected;
-    const float share = static_cast<float>(selected.count) / static_cast<float>(count);
-    return {selected.chunk, count, selected.scale * std::sqrt(share)};
+    const float coarser = std::sqrt(static_cast<float>(selected.count) / static_cast<float>(count));
+    return {selected.chunk, count, selected.scale * coarser, selected.full_depth * coarser};
 }
 
 void fit_into(std::vector<ChunkSelection>& selection, std::uint64_t blocks,
@@ -118,7 +118,7 @@ std::vector<ChunkSelection> select_chunks(std::span<const Chunk> chunks,
                                                : std::numeric_limits<double>::infinity();
         const double spacing = chunk.spacing * metre / settings.quality;
         const double share = spacing > 0 ? std::min(spacing * spacing, 1.0) : 1.0;
-        seen.push_back({{i, share_of(chunk, share), 0.0f}, distance});
+        seen.push_back({{i, share_of(chunk, share), 0.0f, 0.0f}, distance});
         total += seen.back().selection.count;
     }
     std::stable_sort(seen.begin(), seen.end(),
@@ -137,7 +137,11 @@ std::vector<ChunkSelection> select_chunks(std::span<const Chunk> chunks,
                                         : s.selection.count;
         const float thinned =
             std::sqrt(static_cast<float>(chunk.count) / static_cast<float>(count));
-        selections.push_back({s.selection.chunk, count, settings.splat_scale * thinned});
+        // As deep as the spacing of these is what `quality` asks for.
+        const double full_depth = view.orthographic ? std::numeric_limits<double>::infinity()
+                                                    : chunk.spacing * view.focal / settings.quality;
+        selections.push_back({s.selection.chunk, count, settings.splat_scale * thinned,
+                              static_cast<float>(full_depth) * thinned});
     }
     return selections;
 }

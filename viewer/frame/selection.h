@@ -20,11 +20,13 @@ struct SelectionSettings {
     std::uint64_t most_surfels = 0;
 };
 
-/// The first `count` surfels of a chunk, an even subsample, each grown to close the gaps.
+/// The first `count` surfels of a chunk, an even subsample, each grown to close the gaps. Beyond
+/// `full_depth` fewer of them are drawn, by the square of depth, and grown by depth.
 struct ChunkSelection {
     std::uint32_t chunk;  ///< index into the octree's chunks
     std::uint32_t count;  ///< 1 .. the chunk's
-    float scale;          ///< drawn radius over stored radius
+    float scale;          ///< drawn radius over stored radius, up to full_depth
+    float full_depth;     ///< m along the view axis; infinite: all are drawn
 };
 
 /// How many of a chunk's surfels, its first ones, stand for a `share` of it. None of an empty one.

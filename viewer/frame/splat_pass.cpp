@@ -75,12 +75,29 @@ PixelBox pixel_box(const glm::ivec4& box) {
     return {narrow(box.x), narrow(box.y), narrow(box.z), narrow(box.w)};
 }
 
-/// Discs in the order of their surfels, some of them nowhere.
+/// Discs in the order of their surfels, a run for kBatchesPerTask batches, of which the first
+/// `used` are any. Memory that no disc needs is not touched.
 struct Discs {
-    std::vector<Disc> discs;             // [n]
-    std::vector<PixelBox> boxes, grown;  // [n] as far as the radius; as far as it closes gaps
-    TileBins bins;                       // of boxes
+    static constexpr std::size_t kRun = kBatchesPerTask * SPLAT_GROUP;
 
+    std::unique_ptr<Disc[]> discs;
+    std::unique_ptr<PixelBox[]> boxes, grown;  // as far as the radius; as far as they close gaps
+    std::size_t capacity = 0;                  // runs
+    std::vector<std::uint32_t> used;           // [runs]
+    TileBins bins;                             // of boxes
+
+    void begin(std::size_t runs) {
+        used.assign(runs, 0);
+        if (runs <= capacity) return;
+        capacity = runs + runs / 4;
+        discs = std::make_unique_for_overwrite<Disc[]>(capacity * kRun);
+        boxes = std::make_unique_for_overwrite<PixelBox[]>(capacity * kRun);
+        grown = std::make_unique_for_overwrite<PixelBox[]>(capacity * kRun);
+    }
+    TileBins binned(const PixelBox* of, const gpu::ViewBlock& view) const {
+        return {std::span(of, used.size() * kRun), kRun, used, static_cast<int>(view.width),
+                static_cast<int>(view.height)};
+    }
     /// Calls `visit(disc)` for those in a bin. They lie all over memory: a chunk's surfels go from
     /// coarse to fine.
     template <typename Visit>
@@ -230,36 +247,42 @@ void SplatPass::begin(const gpu::ViewBlock& view) {
 }
 
 void SplatPass::Picture::make_discs(Discs& part, const SplatInput& input, std::size_t first_draw) {
-    std::size_t first_batch = input.batches.size();
-    if (first_draw < input.draws.size()) first_batch = input.draws[first_draw].first_batch;
-    const std::size_t slots = (input.batches.size() - first_batch) * SPLAT_GROUP;
-    part.discs.resize(slots);
-    part.boxes.resize(slots);
-    part.grown.resize(slots);
+    std::vector<std::size_t> first_run;  // of each draw
+    std::size_t runs = 0;
     for (const PageDraw& draw : input.draws.subspan(first_draw)) {
+        first_run.push_back(runs);
+        runs += (draw.batch_count + kBatchesPerTask - 1) / kBatchesPerTask;
+    }
+    part.begin(runs);
+    for (std::size_t d = first_draw; d < input.draws.size(); ++d) {
+        const PageDraw& draw = input.draws[d];
         const auto page = input.pages[draw.page].map<const PackedSurfel>();
         const std::span<const PackedSurfel> surfels = page;
-        const tbb::blocked_range<std::size_t> batches(
-            draw.first_batch, draw.first_batch + draw.batch_count, kBatchesPerTask);
-        tbb::parallel_for(batches, [&](const auto& range) {
+        const auto batches = input.batches.subspan(draw.first_batch, draw.batch_count);
+        const std::size_t first = first_run[d - first_draw];
+        const std::size_t last = d + 1 < input.draws.size() ? first_run[d + 1 - first_draw] : runs;
+        tbb::parallel_for(first, last, [&](std::size_t run) {
             SplatTopics own = topics;
-            for (std::size_t b = range.begin(); b < range.end(); ++b) {
-                const gpu::SplatBatch& batch = input.batches[b];
-                const std::size_t slot = (b - first_batch) * SPLAT_GROUP;
-                for (std::size_t i = 0; i < SPLAT_GROUP; ++i) {
-                    Disc& disc = part.discs[slot + i];
-                    part.boxes[slot + i] = part.grown[slot + i] = kNowhere;
-                    if (i >= batch.count) continue;
+            std::size_t slot = run * Discs::kRun;
+            const std::size_t begin = (run - first) * kBatchesPerTask;
+            for (const gpu::SplatBatch& batch :
+                 batches.subspan(begin, std::min(kBatchesPerTask, batches.size() - begin))) {
+                for (uint i = 0; i < batch.count; ++i) {
                     const PackedSurfel& surfel = surfels[batch.first + i];
-                    if (!own.splat_of(surfel, input.chunks[batch.chunk], disc.splat)) continue;
-                    part.grown[slot + i] = pixel_box(own.splat_box(disc.splat, own.kGapGrowth));
-                    if (part.grown[slot + i].empty()) continue;
+                    Disc& disc = part.discs[slot];
+                    if (!own.splat_of(surfel, batch.rank + i, input.chunks[batch.chunk],
+                                      disc.splat))
+                        continue;
+                    part.grown[slot] = pixel_box(own.splat_box(disc.splat, own.kGapGrowth));
+                    if (part.grown[slot].empty()) continue;
                     disc.box = pixel_box(own.splat_box(disc.splat, 1.0f));
-                    part.boxes[slot + i] = disc.box;
+                    part.boxes[slot] = disc.box;
                     disc.normal = own.camera_from_octree_direction(own.surfel_normal(surfel));
                     disc.albedo_ndf = surfel.albedo_ndf;
+                    ++slot;
                 }
             }
+            part.used[run] = static_cast<std::uint32_t>(slot - run * Discs::kRun);
         });
     }
 }
@@ -291,8 +314,7 @@ void SplatPass::add(const SplatInput& input, std::size_t first_draw) {
     if (p.used == p.parts.size()) p.parts.emplace_back();
     Discs& part = p.parts[p.used++];
     p.make_discs(part, input, first_draw);
-    part.bins = TileBins(part.boxes, static_cast<int>(p.topics.view.width),
-                         static_cast<int>(p.topics.view.height));
+    part.bins = part.binned(part.boxes.get(), p.topics.view);
     p.for_each_tile([&](const Tile& tile, SplatTopics& own) { p.find_nearest(tile, own, part); });
 }
 
@@ -328,9 +350,9 @@ void SplatPass::Picture::blend(const Tile& tile, SplatTopics& own, Groups<Share>
                                  (depth > 0.0f) & (behind <= disc.splat.radius) & (off < 1.0f);
                              if (!gpu::any_of(counts)) return;
                              const gpu::Floats weight = own.splat_weight(off, 1.0f);
-                             add_to(sums[group],
-                                 own.share_of_surface(counts ? weight : 0.0f, disc.normal, albedo,
-                                                      ndf_length, counts ? behind : 0.0f));
+                             add_to(sums[group], own.share_of_surface(
+                                                     counts ? weight : 0.0f, disc.normal, albedo,
+                                                     ndf_length, counts ? behind : 0.0f));
                          });
         });
     }
@@ -424,10 +446,9 @@ void SplatPass::Picture::open_rims(const Tile& tile, SplatTopics& own,
         gpu::Floats weight{};
         weight[tile.lane(x)] = own.splat_weight(off + gpu::Floats{}, most)[0];
         add_to(sums[tile.group(x, y)],
-            own.share_of_surface(weight, disc.normal,
-                                 own.surfel_albedo({.albedo_ndf = disc.albedo_ndf}),
-                                 own.surfel_ndf_length({.albedo_ndf = disc.albedo_ndf}),
-                                 behind + gpu::Floats{}));
+               own.share_of_surface(
+                   weight, disc.normal, own.surfel_albedo({.albedo_ndf = disc.albedo_ndf}),
+                   own.surfel_ndf_length({.albedo_ndf = disc.albedo_ndf}), behind + gpu::Floats{}));
     });
 }
 
@@ -442,19 +463,17 @@ void SplatPass::open_rims(std::span<gpu::vec4> surfaces, std::span<gpu::vec4> al
 
     std::vector<TileBins> bins;
     for (const Discs& part : std::span(p.parts).first(p.used)) {
-        std::vector<PixelBox> near(part.grown.size());
-        tbb::parallel_for(
-            tbb::blocked_range<std::size_t>(0, near.size(), 4096), [&](const auto& range) {
-                SplatTopics own = p.topics;
-                for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                    const PixelBox& box = part.grown[i];
-                    const bool rim =
-                        !box.empty() && own.any_rim({box.low_x, box.low_y, box.high_x, box.high_y});
-                    near[i] = rim ? box : kNowhere;
-                }
-            });
-        bins.emplace_back(near, static_cast<int>(p.topics.view.width),
-                          static_cast<int>(p.topics.view.height));
+        const auto near =
+            std::make_unique_for_overwrite<PixelBox[]>(part.used.size() * Discs::kRun);
+        tbb::parallel_for(std::size_t{0}, part.used.size(), [&](std::size_t run) {
+            SplatTopics own = p.topics;
+            for (std::size_t i = run * Discs::kRun; i < run * Discs::kRun + part.used[run]; ++i) {
+                const PixelBox& box = part.grown[i];
+                near[i] =
+                    own.any_rim({box.low_x, box.low_y, box.high_x, box.high_y}) ? box : kNowhere;
+            }
+        });
+        bins.push_back(part.binned(near.get(), p.topics.view));
     }
     p.for_each_tile([&](const Tile& tile, SplatTopics& own) {
         if (opened[tile.index] == 0) return;

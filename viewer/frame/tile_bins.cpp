@@ -7,7 +7,6 @@
 namespace glowworm {
 namespace {
 
-constexpr std::size_t kLeastBlock = 4096;  // boxes
 constexpr std::size_t kMostBlocks = 64;
 
 template <typename Visit>
@@ -22,21 +21,26 @@ void for_each_tile(const PixelBox& box, int columns, const Visit& visit) {
 
 }  // namespace
 
-TileBins::TileBins(std::span<const PixelBox> boxes, int width, int height) {
+TileBins::TileBins(std::span<const PixelBox> boxes, std::size_t run,
+                   std::span<const std::uint32_t> used, int width, int height) {
     const int columns = (width + kTile - 1) / kTile, rows = (height + kTile - 1) / kTile;
     const auto tiles = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
-    const std::size_t block = std::max(kLeastBlock, boxes.size() / kMostBlocks + 1);
-    const std::size_t blocks = (boxes.size() + block - 1) / block;
-    const auto boxes_of = [&](std::size_t b) {
-        return boxes.subspan(b * block, std::min(block, boxes.size() - b * block));
+    const std::size_t block = (used.size() + kMostBlocks - 1) / kMostBlocks;  // runs
+    const std::size_t blocks = used.empty() ? 0 : (used.size() + block - 1) / block;
+    const auto for_each_box = [&](std::size_t b, const auto& visit) {
+        for (std::size_t r = b * block; r < std::min((b + 1) * block, used.size()); ++r) {
+            for (std::size_t i = r * run; i < r * run + used[r]; ++i)
+                visit(i);
+        }
     };
 
     // A counting sort: where each block's part of each square begins, then the parts.
     std::vector<std::uint32_t> counts(blocks * tiles);
     tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
         const std::span mine = std::span(counts).subspan(b * tiles, tiles);
-        for (const PixelBox& box : boxes_of(b))
-            for_each_tile(box, columns, [&](std::size_t tile) { ++mine[tile]; });
+        for_each_box(b, [&](std::size_t i) {
+            for_each_tile(boxes[i], columns, [&](std::size_t tile) { ++mine[tile]; });
+        });
     });
     first_.resize(tiles + 1);
     std::vector<std::size_t> places(blocks * tiles);
@@ -52,11 +56,11 @@ TileBins::TileBins(std::span<const PixelBox> boxes, int width, int height) {
     items_.resize(total);
     tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
         const std::span mine = std::span(places).subspan(b * tiles, tiles);
-        auto index = static_cast<std::uint32_t>(b * block);
-        for (const PixelBox& box : boxes_of(b)) {
-            for_each_tile(box, columns, [&](std::size_t tile) { items_[mine[tile]++] = index; });
-            ++index;
-        }
+        for_each_box(b, [&](std::size_t i) {
+            for_each_tile(boxes[i], columns, [&](std::size_t tile) {
+                items_[mine[tile]++] = static_cast<std::uint32_t>(i);
+            });
+        });
     });
 }
 

@@ -20,9 +20,10 @@ class TileBins {
     static constexpr int kTile = 32;  ///< pixels along a square's edge
 
     TileBins() = default;
-    /// `boxes`: [n], within a picture of `width` x `height` pixels. The same on any number of
-    /// threads.
-    TileBins(std::span<const PixelBox> boxes, int width, int height);
+    /// `boxes`: within a picture of `width` x `height` pixels, in runs of `run`; of each the first
+    /// `used` count. The same on any number of threads.
+    TileBins(std::span<const PixelBox> boxes, std::size_t run, std::span<const std::uint32_t> used,
+             int width, int height);
 
     /// Indices of the boxes that touch a square, ascending; squares go row by row.
     std::span<const std::uint32_t> of(std::size_t tile) const {
