@@ -96,7 +96,7 @@ void LiveFrame::draw_whole(const LiveLight* light, int divisor) {
 /// What stands still and was drawn coarsely becomes sharp, a tile a call; false where all is done.
 bool LiveFrame::sharpen(const LiveLight* light, double resting) {
     const bool settled = light != nullptr && light->settled() && exposure_settled();
-    const bool coarse = state_.divisor > 1 && state_.layer == Layer::kPicture;
+    const bool coarse = state_.divisor > 1 && !of_octree(state_.layer);  // whose cells are coarse
     if (!coarse || !settled || resting < kSharpenSeconds) return false;
     const WindowExtent extent = window_.framebuffer();
     if (!sharpening_.active()) {
@@ -109,7 +109,7 @@ bool LiveFrame::sharpen(const LiveLight* light, double resting) {
     constexpr int kEdge = Sharpening::kTileEdge;
     frame_.draw(tile_of(view_of_size_(extent.width, extent.height), x, y, kEdge, kEdge),
                 light->field(), Frame::Missing::kWaitFor);
-    display_.draw(frame_.beauty(), sharpening_.target(), state_.exposure, state_.curve);
+    paint(state_.layer, &light->field(), sharpening_.target());
     sharpening_.put();
     return true;
 }
@@ -134,6 +134,16 @@ void LiveFrame::adapt_exposure(double seconds) {
     adapted_ = true;
 }
 
+/// The frame as one of its layers shows it.
+void LiveFrame::paint(Layer layer, const LightField* light, const Texture& target) {
+    if (layer == Layer::kPicture) {
+        display_.draw(frame_.beauty(), target, state_.exposure, state_.curve);
+    } else {
+        inspector_.draw(frame_, light, {layer, state_.level, state_.exposure, state_.curve},
+                        target);
+    }
+}
+
 bool LiveFrame::present(const LiveLight* light, double seconds) {
     const WindowExtent extent = window_.framebuffer();
     if (extent.width == 0 || extent.height == 0) return false;
@@ -148,13 +158,10 @@ bool LiveFrame::present(const LiveLight* light, double seconds) {
     }
     adapt_exposure(seconds);
     const Texture& target = canvas_.target(drawn_.width, drawn_.height);
-    const LightField* const field = light != nullptr ? &light->field() : nullptr;
-    if (drawn_as_.lit && field != nullptr && state_.layer == Layer::kPicture) {
-        display_.draw(frame_.beauty(), target, state_.exposure, state_.curve);
+    if (drawn_as_.lit && light != nullptr) {
+        paint(state_.layer, &light->field(), target);
     } else {
-        const Layer layer = drawn_as_.lit && field != nullptr ? state_.layer : Layer::kUnlit;
-        inspector_.draw(frame_, field, {layer, state_.level, state_.exposure, state_.curve},
-                        target);
+        paint(Layer::kUnlit, nullptr, target);
     }
     canvas_.present(extent.width, extent.height);
     return true;

@@ -73,6 +73,7 @@ class LiveFrame {
     Look look() const;
     void draw_whole(const LiveLight* light, int divisor);
     bool sharpen(const LiveLight* light, double resting);
+    void paint(Layer layer, const LightField* light, const Texture& target);
     bool exposure_settled() const;
     void adapt_exposure(double seconds);
     std::optional<SurfacePoint> pick_in_tile(double x, double y);

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "viewer/app/panel.h"
+#include "viewer/app/photometry.h"
 #include "viewer/app/survey_view.h"
 
 namespace glowworm {
@@ -152,6 +153,28 @@ const char* hint_for(const WindowState& state) {
     return nullptr;
 }
 
+void draw_boxed(ImDrawList& list, ImVec2 place, const std::string& text, float wrap) {
+    const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
+    const ImVec2 end{place.x + size.x, place.y + size.y};
+    list.AddRectFilled(beside(place, -4.0f, -3.0f), beside(end, 4.0f, 3.0f), kBlack, scaled(3.0f));
+    list.AddText(ImGui::GetFont(), ImGui::GetFontSize(), place, kWhite, text.c_str(), nullptr,
+                 wrap);
+}
+
+/// How far what is under the cursor is, and what light falls on it.
+void draw_at_cursor(ImDrawList& list, const WindowState& state) {
+    if (!state.under_cursor || ImGui::GetIO().WantCaptureMouse) return;
+    std::string text = fmt::format("{:.3f} m away", state.cursor_distance);
+    if (state.reading) {
+        const Irradiance& e = state.reading->irradiance;
+        const double direct = luminance_of(e.direct), reflected = luminance_of(e.indirect);
+        const double lux = (direct + reflected) * kLuminousEfficacy;
+        text = fmt::format("{:.4g} W/m2, {:.4g} lx\n{:.0f} % reflected\n{}", direct + reflected,
+                           lux, 100.0 * reflected / std::max(direct + reflected, 1e-30), text);
+    }
+    draw_boxed(list, beside(ImGui::GetMousePos(), 18.0f, 14.0f), text, 0.0f);
+}
+
 /// The last thing that happened, at the lower edge beside the panel.
 void draw_message(ImDrawList& list, const WindowState& state, const View& view) {
     const auto width = static_cast<float>(view.width), height = static_cast<float>(view.height);
@@ -161,9 +184,7 @@ void draw_message(ImDrawList& list, const WindowState& state, const View& view) 
     const char* text = state.message.c_str();
     const ImVec2 size = ImGui::CalcTextSize(text, nullptr, false, wrap);
     const ImVec2 place{left, height - margin - size.y};
-    const ImVec2 end{place.x + size.x, place.y + size.y};
-    list.AddRectFilled(beside(place, -4.0f, -3.0f), beside(end, 4.0f, 3.0f), kBlack, scaled(3.0f));
-    list.AddText(ImGui::GetFont(), ImGui::GetFontSize(), place, kWhite, text, nullptr, wrap);
+    draw_boxed(list, place, text, wrap);
 }
 
 }  // namespace
@@ -191,6 +212,7 @@ void draw_overlay(const WindowState& state, const View& view) {
     if (hint != nullptr) {
         draw_text(list, beside(at(view.width / 2.0, 0.0), -100.0f, 12.0f), hint, kYellow);
     }
+    draw_at_cursor(list, state);
     if (!state.message.empty()) draw_message(list, state, view);
 }
 

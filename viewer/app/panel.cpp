@@ -19,6 +19,13 @@ void draw_keys(WindowState& state) {
     ImGui::End();
 }
 
+/// Always two lines: what is below stays where a hand is reaching for it.
+void draw_light_status(const std::string& status) {
+    const float top = ImGui::GetCursorPosY();
+    ImGui::TextWrapped("light: %s", status.c_str());
+    ImGui::SetCursorPosY(top + 2.0f * ImGui::GetTextLineHeightWithSpacing());
+}
+
 void draw_sections(WindowState& state) {
     const struct {
         const char* name;
@@ -95,7 +102,7 @@ void Panel::draw(WindowState& state, const View& view, float scale) {
         ImGui::Text("%.0f ms a frame at 1/%d, %.0f %% sharp", state.frame_ms, state.divisor,
                     (state.divisor == 1 ? 1.0 : state.sharpened) * 100.0);
         ImGui::Text("flies at %.2f m/s", static_cast<double>(state.speed));
-        ImGui::TextWrapped("light: %s", state.light_status.c_str());
+        draw_light_status(state.light_status);
         ImGui::TextDisabled("F1 shows the keys, Tab hides the panels");
         draw_sections(state);
         ImGui::PopItemWidth();

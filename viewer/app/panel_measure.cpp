@@ -87,7 +87,9 @@ void draw_path_section(WindowState& state) {
     tool_button(state, state.playing ? "stop" : "play", Command::kPlayPath);
     ImGui::SameLine();
     tool_button(state, "save (Ctrl+K)", Command::kSavePath);
+    ImGui::PushTextWrapPos();
     ImGui::TextDisabled("glowworm-view --headless --path makes a video");
+    ImGui::PopTextWrapPos();
 }
 
 void draw_statistics_section(WindowState& state) {

@@ -203,7 +203,7 @@ void Session::finish_measuring() {
 
 void Session::step_history(bool back) {
     state_.lamps = back ? history_.undo() : history_.redo();
-    state_.selected = std::min(state_.selected, static_cast<int>(state_.lamps.size()) - 1);
+    if (state_.selected >= static_cast<int>(state_.lamps.size())) state_.selected = -1;
     dragged_lamp_ = -1;
 }
 
