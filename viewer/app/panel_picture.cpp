@@ -25,7 +25,7 @@ void draw_survey_controls(WindowState& state) {
     ImGui::SameLine();
     ask(state, "rotate", Command::kRotate);
     ImGui::Checkbox("section plane", &state.cut);
-    if (state.cut) ImGui::SliderFloat("m off the middle", &state.section, -50.0f, 50.0f, "%.2f");
+    if (state.cut) ImGui::SliderFloat("m off middle", &state.section, -50.0f, 50.0f, "%.2f");
 }
 
 void draw_clip_box(WindowState& state) {
