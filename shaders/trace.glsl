@@ -27,8 +27,9 @@ struct Walk {
 
 uint walk_path[kMaxWalkDepth + 1];
 
+// Both bounds are at least 0, so what lies between is rounded down.
 ivec3 cell_at(Walk w, ivec3 low, ivec3 high) {
-    return ivec3(clamp(floor(w.origin + w.direction * w.t), vec3(low), vec3(high)));
+    return ivec3(clamp(w.origin + w.direction * w.t, vec3(low), vec3(high)));
 }
 
 Walk begin_walk(vec3 origin, vec3 direction, float t_max) {
@@ -85,7 +86,7 @@ void leave_cell(INOUT(Walk) w, int shift) {
         w.inside = false;
         return;
     }
-    w.cell = cell_at(w, low, low + size - 1);
+    if (size > 1) w.cell = cell_at(w, low, low + size - 1);
     int next = w.direction[axis] > 0.0f ? low[axis] + size : low[axis] - 1;
     if (next < 0 || (next >> int(grid.depth)) != 0) {
         w.inside = false;

@@ -81,8 +81,11 @@ using glm::unpackSnorm2x16;
 
 #pragma GCC diagnostic ignored "-Wshadow"  // of a pass's members by a topic's arguments
 
+/// std::popcount is a call where the processor is any x86-64.
 inline int bitCount(uint bits) {
-    return std::popcount(bits);
+    bits -= (bits >> 1) & 0x55555555u;
+    bits = (bits & 0x33333333u) + ((bits >> 2) & 0x33333333u);
+    return static_cast<int>((((bits + (bits >> 4)) & 0x0f0f0f0fu) * 0x01010101u) >> 24);
 }
 
 /// -1 for none.
