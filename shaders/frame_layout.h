@@ -27,6 +27,8 @@ namespace glowworm::gpu {
 #define BINDING_RIM_TILES (BINDING_FRAME_FIRST + 17)
 #define BINDING_DEPTH_TILES (BINDING_FRAME_FIRST + 18)
 #define BINDING_VIEW 1
+// Where what splatting needs is not needed any more:
+#define BINDING_CORNERS BINDING_RIMS
 
 // Pixels along the edge of the squares that say whether a rim lies in them.
 #define RIM_TILE 8
@@ -72,6 +74,16 @@ struct Panel {
     vec4 edge_u;     // xyz: m
     vec4 edge_v;     // xyz: m
     vec4 radiance;   // rgb: W/sr/m2
+};
+
+// Pixels along the edge of the squares at whose corners reflected light is looked up.
+#define SHADE_TILE 4
+
+// What was looked up at the pixel in a corner.
+struct CornerLight {
+    LobeLight light;   // irradiance's w: the sum of weights, 0 where there is no surface
+    vec4 surface;      // the pixel's: unit normal; w: depth, m
+    vec4 position;     // xyz: m
 };
 
 // Every how many pixels exposure looks at one.

@@ -35,14 +35,14 @@ float plane_weight(float height) {
     return exp(-4.0f * min(h * h, 16.0f));
 }
 
-// Irradiance of lobe i if it faced along `normal`. Its hemisphere loses the share (1 - cosine) / 2
-// to the rock round it and sees that instead; the rest follows the gradient.
-vec3 turned_irradiance(uint i, vec3 lobe_normal, vec3 normal) {
-    float cosine = dot(normal, lobe_normal);
-    vec3 tilt = normal - cosine * lobe_normal;
-    vec3 sum = 0.5f * (1.0f + cosine) * vec3(lobe_lights[i].irradiance);
+// Irradiance of what faces along `from` if it faced along `normal`. Its hemisphere loses the share
+// (1 - cosine) / 2 to the rock round it and sees that instead; the rest follows the gradient.
+vec3 turned_irradiance(LobeLight light, vec3 from, vec3 normal) {
+    float cosine = dot(normal, from);
+    vec3 tilt = normal - cosine * from;
+    vec3 sum = 0.5f * (1.0f + cosine) * vec3(light.irradiance);
     for (int c = 0; c < 3; ++c) {
-        vec4 turn = lobe_lights[i].turn[c];
+        vec4 turn = light.turn[c];
         sum[c] += dot(tilt, vec3(turn)) + 0.5f * (1.0f - cosine) * turn.w;
     }
     return max(sum, vec3(0.0f));
@@ -83,7 +83,7 @@ LobeLight light_around(vec3 position, vec3 normal, float width, bool tricubic) {
                 float weight = w * facing_weight(dot(normal, facing)) *
                                plane_weight(dot(normal, lobe_position(i) - position));
                 if (weight <= 0.0f) continue;
-                vec3 irradiance = turning ? turned_irradiance(i, facing, normal)
+                vec3 irradiance = turning ? turned_irradiance(lobe_lights[i], facing, normal)
                                           : vec3(lobe_lights[i].irradiance);
                 light.irradiance += weight * vec4(irradiance, 1.0f);
                 for (int c = 0; c < 3; ++c) light.turn[c] += weight * lobe_lights[i].turn[c];

@@ -12,6 +12,7 @@ layout(std430, binding = BINDING_PIXEL_INDIRECT) writeonly buffer pixel_indirect
 layout(std430, binding = BINDING_PIXEL_SPECULAR) writeonly buffer pixel_specular { vec4 specular[]; };
 layout(std430, binding = BINDING_PIXEL_EMISSION) writeonly buffer pixel_emission { vec4 emission[]; };
 layout(std430, binding = BINDING_PIXEL_BEAUTY) writeonly buffer pixel_beauty { vec4 beauty[]; };
+layout(std430, binding = BINDING_CORNERS) readonly buffer corner_lights { CornerLight corners[]; };
 layout(location = 0) uniform uint panel_count;
 layout(location = 1) uniform float wetness;   // 0..1
 #include "shade_surface.glsl"

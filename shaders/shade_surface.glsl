@@ -1,6 +1,6 @@
-// What a pixel's surface emits and reflects again. The pass has panel_count and wetness.
-#include "shade_pixel.glsl"
-#include "light_lookup.glsl"
+// What a pixel's surface emits and reflects again. The pass has panel_count, wetness and
+// corners.
+#include "shade_corners.glsl"
 #include "panel.glsl"
 
 CONSTANT float kPanelDepth = 0.5f;   // leaf edges: a wall that near in front of a panel is its mounting
@@ -27,7 +27,6 @@ vec3 mirrored_radiance(vec3 position, vec3 normal, vec3 to_eye, float ndf_length
 void shade_surface(uvec2 at) {
     Pixel pixel = pixel_at(at);
     uint i = pixel.index;
-    vec3 normal = vec3(pixel.surface);
     bool hit = pixel.surface.w > 0.0f;
     float farthest = hit ? pixel.surface.w + kPanelDepth * grid.voxel_size : 1e30f;
     float panel_depth;
@@ -40,15 +39,15 @@ void shade_surface(uvec2 at) {
         surfaces[i] = vec4(lit_side ? facing : -facing, panel_depth);
         albedos[i] = vec4(0.0f, 0.0f, 0.0f, 1.0f);
     } else if (hit) {
-        reflected = vec3(albedos[i]) * kReflects * indirect_irradiance(pixel.position, normal);
+        reflected = vec3(albedos[i]) * kReflects * irradiance_between_corners(pixel, at);
 #ifdef WET
-        vec3 to_eye = -normalize(pixel.along);
+        vec3 to_eye = -normalize(pixel.along), normal = vec3(pixel.surface);
         vec3 film = film_normal(normal, to_eye);
         reflected *= 1.0f - wetness * film_reflectance(dot(film, to_eye));
         mirrored = wetness * mirrored_radiance(pixel.position, film, to_eye, albedos[i].w);
 #endif
     }
-    direct[i] = vec4(0.0f);   // w: what shade_light.glsl keeps there
+    direct[i] = vec4(0.0f);
     indirect[i] = vec4(reflected, 1.0f);
     specular[i] = vec4(mirrored, 1.0f);
     emission[i] = vec4(emitted, panel >= 0 ? 1.0f : 0.0f);

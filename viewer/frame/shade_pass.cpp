@@ -19,6 +19,7 @@ struct ShadePass {
     std::span<const Light> lights;
     std::span<const Panel> panels;
     std::span<vec4> surfaces, albedos, direct, indirect, specular, emission, beauty;
+    std::span<CornerLight> corners;
     LightGrid grid;
     ViewBlock view;
     uint panel_count, light;
@@ -79,6 +80,7 @@ void shade_on_cpu(const GBuffer& gbuffer, const LightField& light, const ShadePa
     const auto direct = layers.direct.map<vec4>(), indirect = layers.indirect.map<vec4>();
     const auto specular = layers.specular.map<vec4>(), emission = layers.emission.map<vec4>();
     const auto beauty = layers.beauty.map<vec4>();
+    const auto corners = input.corners.map<gpu::CornerLight>();
     const gpu::ShadePass frame{.nodes = nodes,
                                .lobes = lobes,
                                .lobe_lights = lobe_lights,
@@ -91,22 +93,33 @@ void shade_on_cpu(const GBuffer& gbuffer, const LightField& light, const ShadePa
                                .specular = specular,
                                .emission = emission,
                                .beauty = beauty,
+                               .corners = corners,
                                .grid = light.octree().grid,
                                .view = gbuffer.view_block(),
                                .panel_count = input.panel_count,
                                .sub_pixels = input.sub_pixels};
-    const auto tiles_in = [](gpu::uint pixels) {
-        return (pixels + gpu::ShadePass::kTile - 1) / gpu::ShadePass::kTile;
+    // Each task works on a copy of the pass.
+    const auto parallel = [&](gpu::uvec2 count, gpu::uint grain, const auto& visit) {
+        tbb::parallel_for(
+            tbb::blocked_range2d<gpu::uint>(0, count.y, grain, 0, count.x, grain),
+            [&](const auto& range) {
+                gpu::ShadePass pass = frame;
+                for (gpu::uint y = range.rows().begin(); y < range.rows().end(); ++y) {
+                    for (gpu::uint x = range.cols().begin(); x < range.cols().end(); ++x)
+                        visit(pass, gpu::uvec2(x, y));
+                }
+            });
     };
-    tbb::parallel_for(tbb::blocked_range2d<gpu::uint>(0, tiles_in(frame.view.height), 8, 0,
-                                                      tiles_in(frame.view.width), 8),
-                      [&](const auto& tiles) {
-                          gpu::ShadePass pass = frame;
-                          for (gpu::uint y = tiles.rows().begin(); y < tiles.rows().end(); ++y) {
-                              for (gpu::uint x = tiles.cols().begin(); x < tiles.cols().end(); ++x)
-                                  pass.shade_tile(gpu::ShadePass::kTile * gpu::uvec2(x, y));
-                          }
-                      });
+    const gpu::uvec2 count = gpu::ShadePass(frame).corners_of_view();
+    parallel(count, 8, [&](gpu::ShadePass& pass, gpu::uvec2 corner) {
+        pass.corners[corner.y * count.x + corner.x] = pass.light_of_corner(corner);
+    });
+    constexpr gpu::uint kTile = gpu::ShadePass::kTile;
+    const gpu::uvec2 tiles =
+        (gpu::uvec2(frame.view.width, frame.view.height) + (kTile - 1)) / gpu::uint{kTile};
+    parallel(tiles, 8, [&](gpu::ShadePass& pass, gpu::uvec2 tile) {
+        pass.shade_tile(gpu::uint{kTile} * tile);
+    });
 }
 
 }  // namespace glowworm

@@ -14,7 +14,8 @@ struct ShadedLayers {
 struct ShadePassInput {
     const Buffer& panels;  ///< Panel
     std::uint32_t panel_count = 0;
-    int sub_pixels = 1;  ///< Shading::draw
+    const Buffer& corners;  ///< CornerLight, shade_corners.glsl
+    int sub_pixels = 1;     ///< Shading::draw
 };
 
 /// Twin of shade.comp and shade_light.comp for dry walls where OpenGL runs on the CPU: the same

@@ -12,8 +12,13 @@ gpu::vec4 vec4_of(const Vec3d& v) {
     return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), 0.0f};
 }
 
-constexpr std::int32_t kAreaRows = 6;    // of samples on an area light, in a pixel
+/// shade_corners.glsl: corners_of_view(), along one edge.
+std::size_t corners_of(int pixels) {
+    return static_cast<std::size_t>(pixels / SHADE_TILE + 2);
+}
+
 constexpr std::int32_t kLookRow = -1;    // shade_light.comp: how much of an area light is seen
+constexpr std::int32_t kAreaRows = 6;    // of samples on an area light, in a pixel
 constexpr std::int32_t kRowsAtOnce = 2;  // direct_light.glsl says why not all
 
 }  // namespace
@@ -39,8 +44,11 @@ void Shading::draw(const GBuffer& gbuffer, const LightField& light, const View& 
                    Buffer("pixel specular", bytes), Buffer("pixel emission", bytes),
                    Buffer("pixel beauty", bytes)};
     }
+    const std::size_t corners = corners_of(view.width) * corners_of(view.height);
+    if (corners_.bytes() != corners * sizeof(gpu::CornerLight))
+        corners_ = Buffer("corner lights", corners * sizeof(gpu::CornerLight));
     if (runs_on_cpu() && !shaders_forced_ && wetness <= 0.0f) {
-        shade_on_cpu(gbuffer, light, {panels_, panel_count_, sub_pixels}, layers_);
+        shade_on_cpu(gbuffer, light, {panels_, panel_count_, corners_, sub_pixels}, layers_);
     } else {
         draw_by_shaders(gbuffer, light, view, sub_pixels, wetness);
     }
@@ -63,11 +71,15 @@ void Shading::draw_by_shaders(const GBuffer& gbuffer, const LightField& light, c
     layers_.specular.bind_storage(BINDING_PIXEL_SPECULAR);
     layers_.emission.bind_storage(BINDING_PIXEL_EMISSION);
     layers_.beauty.bind_storage(BINDING_PIXEL_BEAUTY);
+    corners_.bind_storage(BINDING_CORNERS);
     const auto run = [&](const Program& pass) {
         pass.use();
         glDispatchCompute((width + 7) / 8, (height + 7) / 8, 1);
         glMemoryBarrier(GL_ALL_BARRIER_BITS);
     };
+    corners_pass_.use();
+    glDispatchCompute((width / SHADE_TILE + 9) / 8, (height / SHADE_TILE + 9) / 8, 1);
+    glMemoryBarrier(GL_ALL_BARRIER_BITS);
     set_uniform(passes.surface, 0, panel_count_);
     set_uniform(passes.surface, 1, wetness);
     run(passes.surface);

@@ -52,6 +52,8 @@ class Shading {
     std::optional<Passes> wet_;  // compiled when first asked for
     ShadedLayers layers_;
     Buffer panels_;
+    Buffer corners_;  // CornerLight where squares of SHADE_TILE pixels meet
+    Program corners_pass_{{"shade_corners.comp"}};
     std::uint32_t panel_count_ = 0;
     bool shaders_forced_ = false;
 };
