@@ -21,7 +21,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kPosesBytes = 2000.0;    // a scan's entry in poses.json, with its pairs
 constexpr double kCloudPointBytes = 4.0;  // of merge's PLY, on top of the scans' columns
-constexpr double kSurfelPlyBytes = 43.0;  // a row of surface's PLY
 
 /// What a command of some reach takes.
 struct Needs {
@@ -40,7 +39,7 @@ Needs needs_of(const Prediction& p, Reach reach) {
                     bytes((p.work.bytes_a_point + kCloudPointBytes) * p.work.octree.surfels), 0,
                     p.read_time + p.merge_time};
         case Reach::kSurface:
-            return {p.surface_memory, bytes(kSurfelPlyBytes * p.work.octree.surfels), 0,
+            return {p.surface_memory, bytes(p.work.surfel_bytes * p.work.octree.surfels), 0,
                     p.surface_time};
         case Reach::kAll:
             break;
@@ -197,7 +196,8 @@ void require_budget(Run& run, const std::vector<fs::path>& files, const ConvertS
 Json plan_work(Run& run, const std::vector<fs::path>& files, const ConvertSettings& settings,
                Reach reach) {
     const Progress progress = run.console.phase("look", "files");
-    const Pilot pilot = reach == Reach::kSurface ? look_only(files, settings.read, progress)
+    const Pilot pilot = reach == Reach::kSurface ? look_at_cloud(files.front(), settings.read,
+                                                                 settings.surface, progress)
                                                  : run_pilot(files, settings, progress);
     run.console.end_phase();
     const std::vector<Warning> warnings = preflight(pilot.facts);

@@ -61,6 +61,7 @@ void add_surface_command(Program& program) {
             check_cloud_extension(run.flags.output);
             ConvertSettings settings;
             settings.read = flags->read;
+            settings.surface = flags->settings;
             return plan_work(run, {flags->input}, settings, Reach::kSurface);
         });
     command->add_option("cloud", flags->input, "the cloud, as `glowworm merge` writes it")

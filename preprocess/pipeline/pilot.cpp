@@ -9,6 +9,8 @@
 #include "octree/octree.h"
 #include "preprocess/kd_tree.h"
 #include "preprocess/pipeline/cell_sample.h"
+#include "preprocess/pipeline/column_bytes.h"
+#include "preprocess/pipeline/listening.h"
 #include "preprocess/pipeline/look.h"
 #include "preprocess/pipeline/pilot_places.h"
 #include "preprocess/pipeline/processor_time.h"
@@ -21,31 +23,6 @@ constexpr std::size_t kMiniaturePoints = 60'000;  // of the whole, thinned, for 
 constexpr double kMargin = 8.0;                   // round a cell, in spacings of one scan
 constexpr double kSpacingError = 0.05;            // of the median surfel's radius
 constexpr std::uint32_t kPilotRays = 8;
-
-/// Shows how far the look has come, and lets the stages after it hear whether to stop.
-class Listening {
-  public:
-    explicit Listening(const Progress& progress) : progress_(progress) {}
-
-    /// Of the look.
-    Progress shown() {
-        if (!progress_) return {};
-        return [this](std::uint64_t done, std::uint64_t total) {
-            done_ = done;
-            total_ = total;
-            progress_(done, total);
-        };
-    }
-    /// Of a stage: shows nothing new.
-    Progress heard() const {
-        if (!progress_) return {};
-        return [this](std::uint64_t, std::uint64_t) { progress_(done_, total_); };
-    }
-
-  private:
-    const Progress& progress_;
-    std::uint64_t done_ = 0, total_ = 0;
-};
 
 /// Bounds of all scans, and the spacing that says how deep the octree becomes.
 CloudSummary summary_of(const PlaceBounds& box, double times_longer, const Vec3d& origin,
@@ -72,16 +49,6 @@ double expected_spacing(const LookedScan& scan) {
     const auto middle = squared.begin() + static_cast<std::ptrdiff_t>(squared.size() / 2);
     std::nth_element(squared.begin(), middle, squared.end());
     return std::sqrt(double(*middle) * double(positions.size()) / double(scan.facts.counts.kept));
-}
-
-double bytes_of(const Points& points) {
-    const auto column = [](const auto& values) {
-        return values.empty() ? 0.0 : static_cast<double>(sizeof(values[0]));
-    };
-    return column(points.positions) + column(points.normals) + column(points.colours) +
-           column(points.intensities) + column(points.ndf_lengths) + column(points.radii) +
-           column(points.stations) + column(points.emissions) + column(points.times) +
-           column(points.grid);
 }
 
 /// The surfels of the chosen cells and of a margin round them, relative to the grid's origin. What
@@ -146,20 +113,6 @@ double time_links(std::span<const LookedScan> scans, const Poses& poses,
 }
 
 }  // namespace
-
-Pilot look_only(std::span<const std::filesystem::path> files, const ReadSettings& settings,
-                const Progress& progress) {
-    Pilot pilot;
-    std::vector<LookedScan> scans = look_at(files, settings, progress);
-    pick_points(
-        files, settings, scans, [](auto, const auto&) { return false; }, progress);
-    for (const LookedScan& scan : scans) {
-        pilot.facts.push_back(scan.facts);
-        pilot.points += scan.facts.counts.kept;
-    }
-    pilot.octree.surfels = static_cast<double>(pilot.points);
-    return pilot;
-}
 
 Pilot run_pilot(std::span<const std::filesystem::path> files, const ConvertSettings& settings,
                 const Progress& progress_out) {

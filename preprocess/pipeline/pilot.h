@@ -27,15 +27,17 @@ struct Pilot {
     OctreeSize octree;
     /// Processor seconds for a pair of scans, a surfel and a link; 0 where there was none to do.
     double pair_time = 0.0, surface_time = 0.0, link_time = 0.0;
+    double surfel_bytes = 0.0;  ///< of a surfel in a PLY; 0 where none was made
 };
 
 /// Throws as open_scan_file and as the stages do.
 Pilot run_pilot(std::span<const std::filesystem::path> files, const ConvertSettings& settings,
                 const Progress& progress);
 
-/// Facts and points alone, for a cloud that is merged: each point is taken to become a surfel.
-Pilot look_only(std::span<const std::filesystem::path> files, const ReadSettings& settings,
-                const Progress& progress);
+/// What a merged cloud's normals will take: up to 400 000 of its points go through `make_surfels`.
+/// Throws as read_cloud and make_surfels do.
+Pilot look_at_cloud(const std::filesystem::path& file, const ReadSettings& read,
+                    const SurfaceSettings& surface, const Progress& progress);
 
 /// The pairs that are expected to be tried among so many scans, one at least.
 std::size_t expected_pairs(std::size_t scans);

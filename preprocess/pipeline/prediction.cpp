@@ -9,10 +9,11 @@ namespace glowworm {
 namespace {
 
 // Bytes.
-constexpr double kProgram = 46e6;     // libraries, tables
+constexpr double kProgram = 46e6;      // libraries, tables
 constexpr double kSmallBlocks = 14e6;  // and pages to work in, measured
-constexpr double kReadPoint = 75.0;   // a point of any scan until they are merged
+constexpr double kReadPoint = 75.0;    // a point of any scan until they are merged
 constexpr double kSurfacePoint = 200.0;
+constexpr double kHeldPoint = 40.0;
 constexpr double kBuildSurfel = 100.0;
 constexpr double kBuildLeaf = 300.0;
 constexpr double kKeptSurfel = 83.0;  // in the cloud's and in the surfels' checkpoint
@@ -64,7 +65,7 @@ std::uint64_t announced_points(const std::filesystem::path& file, const ReadSett
 }  // namespace
 
 std::uint64_t Prediction::memory() const {
-    return std::max({read_memory, surface_memory, build_memory});
+    return std::max({read_memory, surface_memory + held_memory, build_memory});
 }
 
 double Prediction::processor_time() const {
@@ -81,6 +82,7 @@ Prediction predict(const Workload& work) {
     p.work = work;
     p.read_memory = bytes(kProgram + kReadPoint * points);
     p.surface_memory = bytes(kProgram + kSurfacePoint * size.surfels);
+    p.held_memory = bytes(kHeldPoint * size.surfels);
     p.build_memory =
         bytes(kProgram + std::max(kBuildSurfel * size.surfels + kBuildLeaf * size.leaves,
                                   size.bytes(work.links)));
@@ -118,16 +120,18 @@ Workload announced_work(std::span<const std::filesystem::path> files,
 }
 
 Workload piloted_work(const Pilot& pilot, std::uint32_t links) {
-    return {.scans = std::max<std::size_t>(pilot.facts.size(), 1),
-            .pairs = pilot.pairs,
-            .points = pilot.points,
-            .bytes_a_point = pilot.bytes_a_point,
-            .octree = pilot.octree,
-            .links = links,
-            .pair_time = pilot.pair_time,
-            .surface_time = pilot.surface_time,
-            .link_time = pilot.link_time,
-            .error = kPilotError};
+    Workload work{.scans = std::max<std::size_t>(pilot.facts.size(), 1),
+                  .pairs = pilot.pairs,
+                  .points = pilot.points,
+                  .bytes_a_point = pilot.bytes_a_point,
+                  .octree = pilot.octree,
+                  .links = links,
+                  .pair_time = pilot.pair_time,
+                  .surface_time = pilot.surface_time,
+                  .link_time = pilot.link_time,
+                  .error = kPilotError};
+    if (pilot.surfel_bytes > 0.0) work.surfel_bytes = pilot.surfel_bytes;
+    return work;
 }
 
 double wall_time(double processor_seconds, int threads) {

@@ -22,6 +22,7 @@ struct Workload {
     OctreeSize octree;
     std::uint32_t links = 0;                                      ///< rays per lobe
     double pair_time = 0.0, surface_time = 0.0, link_time = 0.0;  ///< as Pilot's
+    double surfel_bytes = 43.0;                                   ///< of one in a PLY
     double error = 0.0;  ///< 0.25: what is needed may be a quarter less than predicted
 };
 
@@ -31,6 +32,7 @@ struct Workload {
 struct Prediction {
     std::uint64_t read_memory = 0;     ///< bytes at the peak of reading, registering and merging
     std::uint64_t surface_memory = 0;  ///< of estimating normals
+    std::uint64_t held_memory = 0;     ///< of what a conversion holds beside that
     std::uint64_t build_memory = 0;    ///< of building and linking
     std::uint64_t least_memory = 0;    ///< of the same, what cannot lie on disk
     std::uint64_t output_bytes = 0;    ///< the octree file
