@@ -9,6 +9,7 @@
 #include "octree/checksums.h"
 #include "octree/error.h"
 #include "preprocess/command/command.h"
+#include "preprocess/command/plan.h"
 #include "preprocess/command/stage_flags.h"
 
 namespace glowworm {
@@ -44,6 +45,7 @@ JoinSettings settings_for(std::span<const OctreeFile> tiles) {
 Json run_join(Run& run, const std::vector<std::filesystem::path>& inputs) {
     const std::filesystem::path& output = run.flags.output;
     require_distinct(output, inputs);
+    page_memory(run);
     std::vector<OctreeFile> tiles;
     const Progress progress = run.console.phase("check", "tiles");
     for (const auto& input : inputs) {
