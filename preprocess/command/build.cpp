@@ -84,10 +84,6 @@ nlohmann::ordered_json run_build(Run& run, const BuildCommandFlags& flags) {
     require_distinct(output, {flags.input, flags.build.lights, flags.grid});
     BuildSettings settings = grid_settings(flags);
 
-    // Where a cloud's surfels fit several times over, files would only take time.
-    std::error_code unreadable;  // is said by who reads it
-    const std::uintmax_t bytes = std::filesystem::file_size(flags.input, unreadable);
-    if (bytes > run.flags.memory_limit / 8) page_memory(run);
     run.console.phase("read", "points");
     const SurfelStream stream = open_stream(flags, run.flags.memory_limit);
     settings.provenance = flags.build.settings("build", {flags.input}).provenance;
