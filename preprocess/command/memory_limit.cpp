@@ -9,6 +9,8 @@
 #include <cmath>
 
 #include "octree/error.h"
+#include "octree/resident_memory.h"
+#include "preprocess/command/command.h"
 
 namespace glowworm {
 namespace {
@@ -63,7 +65,15 @@ std::uint64_t parse_size(const std::string& text) {
 }
 
 void limit_memory(std::uint64_t bytes, int threads) {
-    if (bytes > 0) limit_data(usable(bytes), threads);
+    if (bytes == 0) return;
+    const std::uint64_t least = resident_bytes() + kLeastData;
+    if (bytes < least) {
+        throw Error(ExitCode::kBudget,
+                    fmt::format("a limit of {} is too small: the program itself takes {} MB; "
+                                "raise --memory-limit",
+                                format_bytes(bytes), least / 1'000'000 + 1));
+    }
+    limit_data(usable(bytes), threads);
 }
 
 void limit_memory_beside_pages(std::uint64_t bytes, int threads) {

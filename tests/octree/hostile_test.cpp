@@ -51,5 +51,19 @@ TEST(HostileOctree, RandomMutationsOfASmallFileAreRefusedOrHarmless) {
     EXPECT_LT(opened, mutations());
 }
 
+TEST(HostileOctree, EveryTruncationIsRefusedOrHarmless) {
+    const testing::ScratchFolder folder;
+    const Octree octree = build_octree(testing::random_cloud(12, 0.05f), {.depth = 2});
+    write_octree_file(octree.view(), folder / "a.svo");
+    std::ifstream stream(folder / "a.svo", std::ios::binary);
+    const std::vector<unsigned char> whole{std::istreambuf_iterator<char>(stream), {}};
+    for (std::size_t size = whole.size(); size-- > 0;) {
+        std::filesystem::resize_file(folder / "a.svo", size);
+        ASSERT_THROW(OctreeFile::open(folder / "a.svo"), Error) << size;
+        // With a header that owns up to the new length.
+        if (size % 3 == 0) testing::try_octree_bytes(std::span(whole).first(size));
+    }
+}
+
 }  // namespace
 }  // namespace glowworm

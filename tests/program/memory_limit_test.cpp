@@ -1,5 +1,7 @@
 // What does not fit into --memory-limit lies in files: the same bytes, under the limit.
 
+#include <sys/resource.h>
+
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -79,6 +81,32 @@ TEST(MemoryLimit, MergeAndConvertKeepToItAndMakeTheSameBytes) {
     std::vector<std::string> convert = command("convert");
     convert.insert(convert.end(), {"--poses", "trust", "--links", "4"});
     expect_same_within_limit(convert, "cave.svo");
+}
+
+TEST(MemoryLimit, LessThanTheProgramItselfIsRefusedByEveryCommand) {
+    const ScratchFolder folder;
+    write_room(folder / "cloud.ply", 1'000, 1);
+    const Ended refused = glowworm({"info", folder / "cloud.ply", "--memory-limit", "1M"});
+    EXPECT_EQ(refused.code, 6);
+    EXPECT_THAT(refused.err, HasSubstr("the program itself takes"));
+    EXPECT_EQ(glowworm({"info", folder / "cloud.ply", "--memory-limit", "100M"}).code, 0);
+}
+
+TEST(MemoryLimit, WithoutOneABuildKeepsToWhatTheSystemHasLeft) {
+    const ScratchFolder folder;
+    write_room(folder / "cloud.ply", 600'000, 1);
+    ASSERT_EQ(glowworm({"surface", folder / "cloud.ply", "-o", folder / "s.ply"}).code, 0);
+    ASSERT_EQ(glowworm({"build", folder / "s.ply", "-o", folder / "a.svo"}).code, 0);
+    const std::vector<std::string> words{"build", folder / "s.ply", "-o", folder / "b.svo"};
+    rlimit before = {};
+    ASSERT_EQ(::getrlimit(RLIMIT_DATA, &before), 0);
+    const rlimit less = {180'000'000, before.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_DATA, &less), 0);  // what the program inherits
+    const Ended built = glowworm(words);
+    ::setrlimit(RLIMIT_DATA, &before);
+    ASSERT_EQ(built.code, 0) << built.err;
+    EXPECT_THAT(built.err, HasSubstr("all that the system has left"));
+    EXPECT_TRUE(bytes_of(folder / "a.svo") == bytes_of(folder / "b.svo"));
 }
 
 TEST(MemoryLimit, WhatLeavesNoRoomToWorkInIsRefused) {
