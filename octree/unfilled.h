@@ -8,17 +8,15 @@
 
 namespace glowworm {
 
-/// An allocator that leaves new elements as the memory was, which begins where a cache line does.
+/// An allocator that leaves new elements as the memory was. It takes that from the plain operator
+/// new, which a program with a memory limit replaces.
 template <typename T>
 struct LeaveUnfilled {
     static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
     using value_type = T;
-    static constexpr std::align_val_t kCacheLine{64};
 
-    T* allocate(std::size_t count) {
-        return static_cast<T*>(::operator new(count * sizeof(T), kCacheLine));
-    }
-    void deallocate(T* at, std::size_t) { ::operator delete(at, kCacheLine); }
+    T* allocate(std::size_t count) { return static_cast<T*>(::operator new(count * sizeof(T))); }
+    void deallocate(T* at, std::size_t) { ::operator delete(at); }
     void construct(T*) {}
     template <typename... Arguments>
     void construct(T* at, Arguments&&... arguments) {
