@@ -67,7 +67,8 @@ struct LightGrid {
 
 // Reflected light at a lobe, and how it changes as the surface turns (light_lookup.glsl).
 struct LobeLight {
-    vec4 irradiance;   // rgb: reflected at least once, W/m2, on the lobe's plane
+    vec4 irradiance;   // rgb: reflected at least once, W/m2, on the lobe's plane; w: 1 + the lobe of
+                       // the wall beside it, 0: none (walls.h); whole numbers up to 2^24 are exact
     vec4 turn[3];      // per channel: xyz: what tilting the normal adds per unit, along the plane;
                        // w: the irradiance that the lobe's own surroundings give, pi times radiance
 };

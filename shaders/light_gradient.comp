@@ -13,7 +13,7 @@ layout(location = 2) uniform uint rays;
 layout(std430, binding = BINDING_INDIRECT) readonly buffer Indirect { vec4 indirect_field[]; };
 layout(std430, binding = BINDING_RADIANCE) readonly buffer Radiance { vec4 radiance_field[]; };
 layout(std430, binding = BINDING_LINKS) readonly buffer Links { uint links[]; };
-layout(std430, binding = BINDING_SCRATCH_B) writeonly buffer Published { LobeLight lobe_lights[]; };
+layout(std430, binding = BINDING_SCRATCH_B) buffer Published { LobeLight lobe_lights[]; };
 
 const float kPi = 3.14159265359;
 const float kLeastCosine = 0.1;   // the tangent of a grazing ray is bounded, or it would be noise
@@ -36,7 +36,7 @@ void main() {
                              radiance_field[link].rgb);
     }
     turn *= kPi / float(max(open_rays, 1u));
-    lobe_lights[i].irradiance = vec4(indirect_field[i].rgb, 0.0);
+    lobe_lights[i].irradiance = vec4(indirect_field[i].rgb, lobe_lights[i].irradiance.w);
     for (int c = 0; c < 3; ++c) {
         lobe_lights[i].turn[c] = vec4(turn[c], kPi * radiance_field[i][c]);
     }

@@ -35,6 +35,29 @@ float plane_weight(float height) {
     return exp(-4.0f * min(h * h, 16.0f));
 }
 
+// Leaf edges: how far behind a wall another room begins, and how far from the middle of a wall's lobe
+// the wall goes on.
+CONSTANT float kBehindWall = 0.35f;
+CONSTANT float kWallReach = 2.0f;
+CONSTANT float kThroughWall = 1e-5f;   // of the weight that a lobe in another room would have
+
+// Whether `wall` (1 + a lobe, 0 for none), which rises beside the surface point `here`, stands between
+// it and `there`.
+bool wall_between(uint wall, vec3 here, vec3 there) {
+    if (wall == 0u) return false;
+    vec3 normal = lobe_normal(wall - 1u);
+    vec3 middle = lobe_position(wall - 1u);
+    float behind = dot(normal, middle - there);
+    if (behind < kBehindWall * grid.voxel_size) return false;
+    float front = max(dot(normal, here - middle), 0.0f);
+    vec3 aside = mix(here, there, front / (front + behind)) - middle;
+    float reach = kWallReach * grid.voxel_size;
+    return dot(aside, aside) < reach * reach;
+}
+
+// The wall beside lobe i (viewer/light/walls.h).
+uint wall_beside(uint i) { return uint(lobe_lights[i].irradiance.w); }
+
 // Irradiance of what faces along `from` if it faced along `normal`. Its hemisphere loses the share
 // (1 - cosine) / 2 to the rock round it and sees that instead; the rest follows the gradient.
 vec3 turned_irradiance(LobeLight light, vec3 from, vec3 normal) {
@@ -50,8 +73,9 @@ vec3 turned_irradiance(LobeLight light, vec3 from, vec3 normal) {
 
 // Reflected light at a surface point from the leaves whose centres lie within 2 * width leaf edges
 // along every axis (1 without `tricubic`). The w of `irradiance` is the sum of weights: zero where
-// there is no surface near.
-LobeLight light_around(vec3 position, vec3 normal, float width, bool tricubic) {
+// there is no surface near. Lobes beyond `wall`, which rises beside the point, or beyond whose own wall
+// the point lies, count only where there are no others.
+LobeLight light_around(vec3 position, vec3 normal, float width, bool tricubic, uint wall) {
     bool turning = (grid.flags & LIGHT_FLAG_FAITHFUL) == 0u;
     int depth = int(grid.depth);
     vec3 at = (position - cube_min()) / grid.voxel_size - 0.5f;   // leaf centres at whole numbers
@@ -83,6 +107,10 @@ LobeLight light_around(vec3 position, vec3 normal, float width, bool tricubic) {
                 float weight = w * facing_weight(dot(normal, facing)) *
                                plane_weight(dot(normal, lobe_position(i) - position));
                 if (weight <= 0.0f) continue;
+                if (turning && (wall_between(wall, position, lobe_position(i)) ||
+                                wall_between(wall_beside(i), lobe_position(i), position))) {
+                    weight *= kThroughWall;
+                }
                 vec3 irradiance = turning ? turned_irradiance(lobe_lights[i], facing, normal)
                                           : vec3(lobe_lights[i].irradiance);
                 light.irradiance += weight * vec4(irradiance, 1.0f);
@@ -119,7 +147,7 @@ LobeLight light_around(vec3 position, vec3 normal, float width, bool tricubic) {
 // surface near that faces its way, else positive.
 vec4 indirect_light(vec3 position, vec3 normal) {
     bool tricubic = (grid.flags & LIGHT_FLAG_TRICUBIC) != 0u;
-    return light_around(position, normal, 1.0f, tricubic).irradiance;
+    return light_around(position, normal, 1.0f, tricubic, 0u).irradiance;
 }
 
 vec3 indirect_irradiance(vec3 position, vec3 normal) {

@@ -20,7 +20,7 @@ CornerLight light_of_corner(uvec2 corner) {
     found.light.irradiance = vec4(0.0f);
     if (pixel.surface.w > 0.0f) {
         bool tricubic = (grid.flags & LIGHT_FLAG_TRICUBIC) != 0u;
-        found.light = light_around(pixel.position, vec3(pixel.surface), 1.0f, tricubic);
+        found.light = light_around(pixel.position, vec3(pixel.surface), 1.0f, tricubic, 0u);
     }
     return found;
 }

@@ -86,6 +86,7 @@ TEST(LightAccuracy, ThinWallsKeepLightOut) {
         std::cout << "wall of " << voxels << " voxels: " << percent(leak.lobes)
                   << " % on lobes, the meter reads " << percent(leak.meter) << " %\n";
         EXPECT_LE(leak.lobes, most);
+        EXPECT_LE(leak.meter, most);
     }
 }
 

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "octree/links.h"
+#include "viewer/light/walls.h"
 
 namespace glowworm::testing {
 
@@ -41,6 +42,20 @@ double spline_weight(double d, bool tricubic) {
     if (d >= 2.0) return 0.0;
     if (d >= 1.0) return (2.0 - d) * (2.0 - d) * (2.0 - d) / 6.0;
     return (4.0 - 6.0 * d * d + 3.0 * d * d * d) / 6.0;
+}
+
+/// Whether a lobe's plane, `wall` - 1, parts two points near it (light_lookup.glsl).
+bool parts(const OctreeView& octree, std::uint32_t wall, const Vec3f& here, const Vec3f& there) {
+    if (wall == 0) return false;
+    const double edge = octree.grid.voxel_size();
+    const Lobe& lobe = octree.lobes[wall - 1];
+    const Vec3d middle{lobe.position[0], lobe.position[1], lobe.position[2]};
+    const Vec3d n = vec3_cast<double>(normal_of(lobe));
+    const Vec3d from = vec3_cast<double>(here) - middle, to = vec3_cast<double>(there) - middle;
+    if (dot(n, to) > -0.35 * edge) return false;
+    const double front = std::max(dot(n, from), 0.0);
+    const Vec3d crossing = from + (to - from) * (front / (front - dot(n, to)));
+    return length(crossing) < 2.0 * edge;
 }
 
 /// The leaf at a cell, nothing where it is empty.
@@ -150,7 +165,8 @@ std::vector<LocalLight> bounce(const OctreeView& octree, std::span<const std::ui
 }
 
 LocalLight look_up(const OctreeView& octree, std::span<const LocalLight> lights,
-                   const Vec3f& position, const Vec3f& normal, bool tricubic, double width) {
+                   const Vec3f& position, const Vec3f& normal, bool tricubic, double width,
+                   std::uint32_t wall) {
     double at[3];
     int low[3], high[3];
     const double reach = (tricubic ? 2.0 : 1.0) * width;
@@ -180,8 +196,12 @@ LocalLight look_up(const OctreeView& octree, std::span<const LocalLight> lights,
                     const Vec3f apart =
                         Vec3f{lobe.position[0], lobe.position[1], lobe.position[2]} - position;
                     const double height = dot(apart, normal) / octree.grid.voxel_size();
-                    const double weight = w * std::pow(cosine, 8.0) *
-                                          std::exp(-4.0 * std::min(height * height, 16.0));
+                    double weight = w * std::pow(cosine, 8.0) *
+                                    std::exp(-4.0 * std::min(height * height, 16.0));
+                    if (parts(octree, wall, position, position + apart) ||
+                        parts(octree, lights[i].wall, position + apart, position)) {
+                        weight *= 1e-5;
+                    }
                     const Vec3d tilt = n - m * cosine;
                     for (int c = 0; c < 3; ++c) {
                         const double turned = 0.5 * (1.0 + cosine) * lights[i].irradiance[c] +
@@ -202,14 +222,18 @@ LocalLight look_up(const OctreeView& octree, std::span<const LocalLight> lights,
     return sum;
 }
 
-std::vector<LocalLight> smooth(const OctreeView& octree, std::span<const LocalLight> lights) {
-    std::vector<LocalLight> smoothed(lights.size());
+std::vector<LocalLight> smooth(const OctreeView& octree, std::span<const LocalLight> rough) {
+    std::vector<LocalLight> lights(rough.begin(), rough.end()), smoothed(lights.size());
+    const std::vector<std::uint32_t> walls = walls_beside(octree);
+    for (std::size_t i = 0; i < lights.size(); ++i)
+        lights[i].wall = walls[i];
     tbb::parallel_for(std::size_t{0}, lights.size(), [&](std::size_t i) {
         const Lobe& lobe = octree.lobes[i];
         smoothed[i] =
             look_up(octree, lights, {lobe.position[0], lobe.position[1], lobe.position[2]},
-                    normal_of(lobe), true, 2.0);
+                    normal_of(lobe), true, 2.0, walls[i]);
         smoothed[i].around = lights[i].around;
+        smoothed[i].wall = walls[i];
     });
     return smoothed;
 }

@@ -25,6 +25,7 @@ struct LocalLight {
     Vec3d irradiance;
     std::array<Vec3d, 3> turn;  ///< per channel, what tilting the normal adds
     Vec3d around;               ///< pi times the radiance of the rock there
+    std::uint32_t wall = 0;     ///< walls.h, once smoothed
 };
 
 /// [lobes] reflected light after `bounces` products from nothing.
@@ -36,6 +37,7 @@ std::vector<LocalLight> smooth(const OctreeView& octree, std::span<const LocalLi
 
 /// Light between the lobes, from `width` times the lookup's reach.
 LocalLight look_up(const OctreeView& octree, std::span<const LocalLight> lights,
-                   const Vec3f& position, const Vec3f& normal, bool tricubic, double width = 1.0);
+                   const Vec3f& position, const Vec3f& normal, bool tricubic, double width = 1.0,
+                   std::uint32_t wall = 0);
 
 }  // namespace glowworm::testing

@@ -58,7 +58,8 @@ std::vector<gpu::vec4> bounce_along(const LinkRows& rows, std::span<const gpu::v
 
 std::vector<gpu::LobeLight> light_gradients(const LinkRows& rows, std::span<const Lobe> lobes,
                                             std::span<const gpu::vec4> radiance,
-                                            std::span<const gpu::vec4> irradiance) {
+                                            std::span<const gpu::vec4> irradiance,
+                                            std::span<const std::uint32_t> walls) {
     std::vector<gpu::LobeLight> lights(lobes.size());
     for_each_lobe(lobes.size(), [&](std::size_t lobe) {
         const auto row = rows.of(lobe);
@@ -77,7 +78,8 @@ std::vector<gpu::LobeLight> light_gradients(const LinkRows& rows, std::span<cons
         const float scale = kPi / open_rays(row);
         const Vec3f here = to_vec3(radiance[lobe]);
         gpu::LobeLight& light = lights[lobe];
-        light.irradiance = {irradiance[lobe].x, irradiance[lobe].y, irradiance[lobe].z, 0.0f};
+        light.irradiance = {irradiance[lobe].x, irradiance[lobe].y, irradiance[lobe].z,
+                            static_cast<float>(walls[lobe])};
         for (int c = 0; c < 3; ++c) {
             const Vec3f scaled = turn[c] * scale;
             light.turn[c] = {scaled.x, scaled.y, scaled.z, kPi * here[c]};

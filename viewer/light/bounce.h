@@ -25,14 +25,11 @@ struct LinkRows {
 /// [lobes] pi times the mean radiance over each lobe's links (bounce.comp).
 std::vector<gpu::vec4> bounce_along(const LinkRows& rows, std::span<const gpu::vec4> radiance);
 
-/// [lobes] irradiance, and how it changes as the surface turns (light_gradient.comp).
+/// [lobes] irradiance, and how it changes as the surface turns (light_gradient.comp); `walls` are
+/// those of walls.h.
 std::vector<gpu::LobeLight> light_gradients(const LinkRows& rows, std::span<const Lobe> lobes,
                                             std::span<const gpu::vec4> radiance,
-                                            std::span<const gpu::vec4> irradiance);
-
-/// [lobes] with the noise of each lobe's rays spread over the surface within two leaves
-/// (smooth_light.comp).
-std::vector<gpu::LobeLight> smoothed(const OctreeView& octree,
-                                     std::span<const gpu::LobeLight> lights);
+                                            std::span<const gpu::vec4> irradiance,
+                                            std::span<const std::uint32_t> walls);
 
 }  // namespace glowworm

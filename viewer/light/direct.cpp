@@ -67,15 +67,6 @@ struct DirectPass {
     }
 };
 
-struct LookupPass {
-    std::span<const Node> nodes;
-    std::span<const Lobe> lobes;
-    std::span<const LobeLight> lobe_lights;
-    LightGrid grid;
-#undef OCTREE_GLSL
-#include "shaders/light_lookup.glsl"
-};
-
 }  // namespace
 }  // namespace gpu
 
@@ -120,20 +111,6 @@ void measure_direct_light(const DirectLightInput& input, std::span<const vec4> p
                 },
                 [&](std::size_t i, const vec3& e) { measured[2 * i] = vec4(e, 0.0f); });
         });
-}
-
-void measure_indirect_light(std::span<const Node> nodes, std::span<const Lobe> lobes,
-                            std::span<const gpu::LobeLight> lobe_lights, const gpu::LightGrid& grid,
-                            std::span<const vec4> places, std::span<vec4> measured) {
-    const gpu::LookupPass prepared{nodes, lobes, lobe_lights, grid};
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, places.size() / 2, 64),
-                      [&](const auto& range) {
-                          gpu::LookupPass pass = prepared;
-                          for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                              measured[2 * i + 1] =
-                                  pass.indirect_light(vec3(places[2 * i]), vec3(places[2 * i + 1]));
-                          }
-                      });
 }
 
 }  // namespace glowworm

@@ -9,7 +9,7 @@
 
 namespace glowworm {
 
-/// Twins of inject.comp and of the light meter's passes for where OpenGL runs on the CPU: the same
+/// Twins of inject.comp and probe_direct.comp for where OpenGL runs on the CPU: the same
 /// formulas as compiled code, their shadow rays traced many at once. On all cores, the same on any
 /// number of them.
 
@@ -30,11 +30,5 @@ void add_direct_light(const DirectLightInput& input, std::uint32_t light, std::s
 /// relative to the octree's origin) and normal, of `measured` the first of each two.
 void measure_direct_light(const DirectLightInput& input, std::span<const gpu::vec4> places,
                           std::span<gpu::vec4> measured);
-
-/// Reflected irradiance at `places`, the second of each two of `measured`: w is 0 where there is no
-/// surface near.
-void measure_indirect_light(std::span<const Node> nodes, std::span<const Lobe> lobes,
-                            std::span<const gpu::LobeLight> lobe_lights, const gpu::LightGrid& grid,
-                            std::span<const gpu::vec4> places, std::span<gpu::vec4> measured);
 
 }  // namespace glowworm

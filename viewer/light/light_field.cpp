@@ -4,6 +4,8 @@
 
 #include "viewer/gpu/vec4.h"
 #include "viewer/light/direct.h"
+#include "viewer/light/lookup.h"
+#include "viewer/light/walls.h"
 
 namespace glowworm {
 
@@ -172,7 +174,14 @@ void LightField::use_links(const LinkRows& rows) {
 
 void LightField::forget_indirect() {
     indirect_.clear();
-    lit_.clear();
+    blacken();
+}
+
+void LightField::blacken() {
+    std::vector<gpu::LobeLight> black(octree_.lobes.size());
+    for (std::size_t i = 0; i < walls_.size(); ++i)
+        black[i].irradiance.w = static_cast<float>(walls_[i]);
+    lit_.write(black);
 }
 
 void LightField::gather() {
@@ -190,6 +199,10 @@ void LightField::gather() {
 }
 
 void LightField::publish(bool smooth) {
+    if (walls_.empty()) {
+        walls_ = walls_beside(octree_);
+        blacken();
+    }
     bind();
     lit_.bind_storage(BINDING_SCRATCH_B);
     const std::size_t lobes = octree_.lobes.size();
@@ -202,8 +215,11 @@ void LightField::publish(bool smooth) {
     }
     if (const LinkRows* rows = links_.on_cpu()) {
         auto lights = light_gradients(*rows, octree_.lobes, radiance_.read<gpu::vec4>(lobes),
-                                      indirect_.read<gpu::vec4>(lobes));
-        if (smooth) lights = smoothed(octree_, lights);
+                                      indirect_.read<gpu::vec4>(lobes), walls_);
+        if (smooth) {
+            const auto closed = gpu_octree_.lobes.read<Lobe>(lobes);
+            lights = smoothed({octree_.nodes, closed, lights, gpu_octree_.grid});
+        }
         lit_.write(lights);
         return;
     }
@@ -285,7 +301,7 @@ std::vector<ProbeResult> LightField::measure_compiled(std::span<const gpu::vec4>
     const auto lobes = gpu_octree_.lobes.map<const Lobe>();
     const auto lobe_lights = lit_.map<const gpu::LobeLight>();
     std::vector<gpu::vec4> measured(places.size());
-    measure_indirect_light(nodes, lobes, lobe_lights, gpu_octree_.grid, places, measured);
+    measure_indirect_light({nodes, lobes, lobe_lights, gpu_octree_.grid}, places, measured);
     measure_direct_light({rays, lobes, lights_, gpu_octree_.grid}, places, measured);
     return probe_results(measured);
 }

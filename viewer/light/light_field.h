@@ -103,6 +103,7 @@ class LightField {
     std::vector<ProbeResult> measure_compiled(std::span<const gpu::vec4> places) const;
     void gather();              // from the radiance of the current iterate into gathered_
     void publish(bool smooth);  // what lookups read, from indirect_
+    void blacken();             // what lookups read
 
     const Context& context_;
     OctreeView octree_;
@@ -117,6 +118,7 @@ class LightField {
     GpuLinks links_;
     std::optional<ConeGather> cones_;
     mutable std::optional<ConeGather> mirrored_;  // for show_to_cones, made when first asked for
+    std::vector<std::uint32_t> walls_;            // [lobes] walls.h, once light was reflected
     mutable std::unique_ptr<RayTracer> tracer_;   // made when first asked for
     mutable std::uint32_t injected_lights_ = 0;   // whole ones
     mutable std::size_t injected_lobes_ = 0;      // of the next light

@@ -1,0 +1,51 @@
+#include "viewer/light/lookup.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "viewer/gpu/glsl.h"
+
+namespace glowworm {
+namespace gpu {
+namespace {
+
+struct LookupPass {
+    std::span<const Node> nodes;
+    std::span<const Lobe> lobes;
+    std::span<const LobeLight> lobe_lights;
+    LightGrid grid;
+
+#include "shaders/smoothing.glsl"
+};
+
+/// Calls `visit(pass, i)` for i in [0, count), each thread with a pass of its own.
+template <typename Visit>
+void for_each(const LookupInput& input, std::size_t count, const Visit& visit) {
+    const LookupPass prepared{input.nodes, input.lobes, input.lobe_lights, input.grid};
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 128), [&](const auto& range) {
+        LookupPass pass = prepared;
+        for (std::size_t i = range.begin(); i != range.end(); ++i)
+            visit(pass, i);
+    });
+}
+
+}  // namespace
+}  // namespace gpu
+
+void measure_indirect_light(const LookupInput& input, std::span<const gpu::vec4> places,
+                            std::span<gpu::vec4> measured) {
+    gpu::for_each(input, places.size() / 2, [&](gpu::LookupPass& pass, std::size_t i) {
+        measured[2 * i + 1] =
+            pass.indirect_light(gpu::vec3(places[2 * i]), gpu::vec3(places[2 * i + 1]));
+    });
+}
+
+std::vector<gpu::LobeLight> smoothed(const LookupInput& input) {
+    std::vector<gpu::LobeLight> lights(input.lobes.size());
+    gpu::for_each(input, lights.size(), [&](gpu::LookupPass& pass, std::size_t i) {
+        lights[i] = pass.smoothed_light(static_cast<gpu::uint>(i));
+    });
+    return lights;
+}
+
+}  // namespace glowworm

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "octree/octree_file.h"
+#include "shaders/gpu_layout.h"
+
+namespace glowworm {
+
+/// Twins of probe_indirect.comp and smooth_light.comp for where OpenGL runs on the CPU: the same
+/// formulas as compiled code. On all cores, the same on any number of them.
+
+/// What they read.
+struct LookupInput {
+    std::span<const Node> nodes;
+    std::span<const Lobe> lobes;  ///< with closed patches
+    std::span<const gpu::LobeLight> lobe_lights;
+    const gpu::LightGrid& grid;
+};
+
+/// Reflected irradiance at surface points: of `places` each one's position (m, relative to the
+/// octree's origin) and normal, of `measured` the second of each two; w is 0 where there is no
+/// surface near.
+void measure_indirect_light(const LookupInput& input, std::span<const gpu::vec4> places,
+                            std::span<gpu::vec4> measured);
+
+/// [lobes] with the noise of each lobe's rays spread over the surface within two leaves.
+std::vector<gpu::LobeLight> smoothed(const LookupInput& input);
+
+}  // namespace glowworm

@@ -1,0 +1,155 @@
+#include "viewer/light/walls.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <compare>
+
+namespace glowworm {
+
+namespace {
+
+constexpr float kReach = 3.0f;   // leaf edges from a lobe to the plane of its wall
+constexpr float kBeside = 1.0f;  // leaf edges from its foot there to the middle of the wall's lobe
+constexpr float kInFront = -0.2f;  // leaf edges over its plane: at a wall's foot means lie under it
+constexpr float kRises = 0.5f;  // cosine of 60 degrees, as where lobes are told apart
+constexpr float kMixed = 4.0f;  // leaf edges: lobes that smoothing mixes
+constexpr float kLevel = 1.5f;  // leaf edges off the lobe's plane: so do those
+// light_lookup.glsl
+constexpr float kBehindWall = 0.35f;
+constexpr float kWallReach = 2.0f;
+
+/// A lobe as a piece of plane.
+struct Plane {
+    Vec3f position, normal;
+};
+
+class WallSearch {
+  public:
+    explicit WallSearch(const OctreeView& octree) : octree_(octree) {
+        planes_.reserve(octree.lobes.size());
+        for (const Lobe& lobe : octree.lobes) {
+            planes_.push_back({{lobe.position[0], lobe.position[1], lobe.position[2]},
+                               normalized(Vec3f{lobe.ndf[0], lobe.ndf[1], lobe.ndf[2]})});
+        }
+    }
+
+    std::uint32_t beside(std::uint32_t lobe) const {
+        const Plane& here = planes_[lobe];
+        const float edge = octree_.grid.voxel_size();
+        std::vector<Wall> walls;
+        for_each_lobe_near(here.position, kReach, [&](std::uint32_t other) {
+            const Plane& there = planes_[other];
+            const Vec3f apart = here.position - there.position;
+            const float height = dot(there.normal, apart);
+            const Vec3f aside = apart - there.normal * height;
+            if (dot(there.normal, here.normal) < kRises && height > kInFront * edge &&
+                height < kReach * edge && dot(aside, aside) < kBeside * kBeside * edge * edge &&
+                octree_.lobes[other].light == 0) {
+                walls.push_back({height, other});
+            }
+        });
+        if (walls.empty()) return 0;
+        std::vector<std::uint32_t> level;
+        for_each_lobe_near(here.position, kMixed, [&](std::uint32_t other) {
+            const Plane& there = planes_[other];
+            if (dot(there.normal, here.normal) > kRises &&
+                std::abs(dot(here.normal, there.position - here.position)) < kLevel * edge) {
+                level.push_back(other);
+            }
+        });
+        std::ranges::sort(walls);
+        for (const Wall& wall : walls) {
+            for (const std::uint32_t other : level) {
+                if (is_between(planes_[wall.lobe], here.position, planes_[other].position))
+                    return wall.lobe + 1;
+            }
+        }
+        return 0;
+    }
+
+  private:
+    struct Wall {
+        float height;  // m, of the lobe over its plane
+        std::uint32_t lobe;
+        auto operator<=>(const Wall&) const = default;
+    };
+
+    /// wall_between() of light_lookup.glsl.
+    bool is_between(const Plane& wall, const Vec3f& here, const Vec3f& there) const {
+        const float edge = octree_.grid.voxel_size();
+        const float behind = dot(wall.normal, wall.position - there);
+        if (!(behind >= kBehindWall * edge)) return false;
+        const float front = dot(wall.normal, here - wall.position);
+        const Vec3f crossing = here + (there - here) * (front / (front + behind));
+        const Vec3f aside = crossing - wall.position;
+        return dot(aside, aside) < kWallReach * kWallReach * edge * edge;
+    }
+
+    struct Ahead {
+        std::uint32_t node, level;
+        Vec3<int> cell;
+    };
+
+    /// Visits the lobes of the leaves within `reach` leaf edges along every axis.
+    template <typename Visit>
+    void for_each_lobe_near(const Vec3f& position, float reach, const Visit& visit) const {
+        const Vec3f place = (position - octree_.grid.cube_min) / octree_.grid.voxel_size();
+        const auto cells = static_cast<float>(1u << octree_.grid.depth);
+        Vec3<int> low, high;
+        for (int a = 0; a < 3; ++a) {
+            if (!(place[a] >= 0.0f && place[a] <= cells)) return;
+            low[a] = static_cast<int>(place[a] - reach);
+            high[a] = static_cast<int>(place[a] + reach);
+        }
+        std::array<Ahead, 7 * kMaxDepth + 8> ahead;  // seven siblings wait on each level
+        std::size_t waiting = 0;
+        ahead[waiting++] = {0, 0, {0, 0, 0}};
+        while (waiting > 0) {
+            const Ahead here = ahead[--waiting];
+            const Node& node = octree_.nodes[here.node];
+            if (here.level == octree_.grid.depth) {
+                const std::uint32_t last = node.first + (node.mask >> 8 & 3u);
+                for (std::uint32_t i = node.first; i < last; ++i)
+                    visit(i);
+                continue;
+            }
+            const std::uint32_t shift = octree_.grid.depth - here.level - 1;
+            std::uint32_t child = node.first;
+            for (std::uint32_t octant = 0; octant < 8; ++octant) {
+                if ((node.mask >> octant & 1u) == 0) continue;
+                const Vec3<int> cell{2 * here.cell.x + static_cast<int>(octant & 1u),
+                                     2 * here.cell.y + static_cast<int>(octant >> 1 & 1u),
+                                     2 * here.cell.z + static_cast<int>(octant >> 2)};
+                bool near = true;
+                for (int a = 0; a < 3; ++a)
+                    near &= cell[a] << shift <= high[a] && ((cell[a] + 1) << shift) > low[a];
+                if (near) ahead[waiting++] = {child, here.level + 1, cell};
+                ++child;
+            }
+        }
+    }
+
+    const OctreeView& octree_;
+    std::vector<Plane> planes_;
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> walls_beside(const OctreeView& octree) {
+    std::vector<std::uint32_t> walls(octree.lobes.size());
+    if (walls.empty()) return walls;
+    const WallSearch search(octree);
+    tbb::parallel_for(
+        tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(walls.size()), 256),
+        [&](const auto& range) {
+            for (std::uint32_t lobe = range.begin(); lobe != range.end(); ++lobe)
+                walls[lobe] = search.beside(lobe);
+        });
+    return walls;
+}
+
+}  // namespace glowworm
