@@ -11,7 +11,7 @@
 #endif
 
 #ifndef IN_FULL_VIEW
-#define IN_FULL_VIEW false   // whether all of an area light is known to be seen
+#define IN_FULL_VIEW false   // whether all of a light is known to be seen
 #endif
 #ifndef EACH_SAMPLE
 #define EACH_SAMPLE(to_light, irradiance)   // what a pass makes of a sample seen, by unit intensity
@@ -20,6 +20,9 @@
 #ifndef __cplusplus
 layout(std430, binding = BINDING_LIGHTS) readonly buffer Lights { Light lights[]; };
 #endif
+
+// A lamp's in its group.
+uint lamp_bit(uint lamp) { return 1u << (lamp % LAMPS_IN_GROUP); }
 
 // Blender's spot: I cos(theta) smoothstep over the outer part of the cone. 1 on the axis.
 float spot_falloff(float cosine, float cosine_edge, float blend) {
@@ -39,7 +42,8 @@ vec3 irradiance_from_lamp(Light light, vec3 position, vec3 normal, float offset)
                                      light.edge_u.w)
                       : 1.0f;
     if (shape <= 0.0f) return vec3(0.0f);
-    if (!visible_from(position, normal, offset, vec3(light.position), 0u, vec3(0.0f))) {
+    if (!IN_FULL_VIEW &&
+        !visible_from(position, normal, offset, vec3(light.position), 0u, vec3(0.0f))) {
         return vec3(0.0f);
     }
     EACH_SAMPLE(direction, shape * cosine / max(squared, 1e-12f));

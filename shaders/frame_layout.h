@@ -29,6 +29,7 @@ namespace glowworm::gpu {
 #define BINDING_VIEW 1
 // Where what splatting needs is not needed any more:
 #define BINDING_CORNERS BINDING_RIMS
+#define BINDING_PIXEL_LAMPS BINDING_RIM_TILES
 
 // Pixels along the edge of the squares that say whether a rim lies in them.
 #define RIM_TILE 8
@@ -76,7 +77,7 @@ struct Panel {
     vec4 radiance;   // rgb: W/sr/m2
 };
 
-// Pixels along the edge of the squares at whose corners reflected light is looked up.
+// Pixels along the edge of the squares at whose corners reflected light and lamps are looked up.
 #define SHADE_TILE 4
 
 // What was looked up at the pixel in a corner.
@@ -84,6 +85,10 @@ struct CornerLight {
     LobeLight light;   // irradiance's w: the sum of weights, 0 where there is no surface
     vec4 surface;      // the pixel's: unit normal; w: depth, m
     vec4 position;     // xyz: m
+    uint seen;         // bits of the lamps of a group that all lobes round it see
+    uint hidden;       // and of those that none sees
+    uint unused_0;
+    uint unused_1;
 };
 
 // Every how many pixels exposure looks at one.

@@ -36,6 +36,7 @@ using vec4 = glm::vec4;
 #define BINDING_SIDES 7      // uvec2 per node and side: opacity and radiance for cones
 #define BINDING_SCRATCH_A 8
 #define BINDING_SCRATCH_B 9
+#define BINDING_LAMP_LOOKS 9 // while frames are shaded: uvec2 per group of lamps and lobe
 #define BINDING_SCRATCH_C 10
 #define BINDING_DENSE 11     // node of every cell of the coarse levels
 #define BINDING_FRAME_FIRST 12
@@ -75,6 +76,9 @@ struct LobeLight {
 
 #define LIGHT_FLAG_TRICUBIC 1u
 #define LIGHT_FLAG_FAITHFUL 2u
+
+// So many lamps have their bits in one word (lamp_looks.glsl).
+#define LAMPS_IN_GROUP 32u
 
 // One light. Fields that a kind does not use are zero.
 #define LIGHT_POINT 0u

@@ -11,6 +11,10 @@
 layout(std430, binding = BINDING_LIGHT) readonly buffer LobeLights { LobeLight lobe_lights[]; };
 #endif
 
+#ifndef EACH_LOBE
+#define EACH_LOBE(lobe, likeness)   // what a pass makes of a lobe near a point, as like it as 0..1
+#endif
+
 CONSTANT int kLookupStack = 96;   // 7 siblings wait on each level at most, 14 levels
 
 // Weight of a leaf whose centre lies `d` leaf edges away along one axis.
@@ -104,9 +108,11 @@ LobeLight light_around(vec3 position, vec3 normal, float width, bool tricubic, u
                       lookup_weight(d.z, tricubic);
             for (uint i = node.first; w > 0.0f && i < node.first + lobes_of_leaf(node.mask); ++i) {
                 vec3 facing = lobe_normal(i);
-                float weight = w * facing_weight(dot(normal, facing)) *
-                               plane_weight(dot(normal, lobe_position(i) - position));
+                float likeness = facing_weight(dot(normal, facing)) *
+                                 plane_weight(dot(normal, lobe_position(i) - position));
+                float weight = w * likeness;
                 if (weight <= 0.0f) continue;
+                EACH_LOBE(i, likeness);
                 if (turning && (wall_between(wall, position, lobe_position(i)) ||
                                 wall_between(wall_beside(i), lobe_position(i), position))) {
                     weight *= kThroughWall;

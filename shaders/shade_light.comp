@@ -11,6 +11,7 @@ layout(std430, binding = BINDING_PIXEL_DIRECT) buffer pixel_direct { vec4 direct
 layout(std430, binding = BINDING_PIXEL_SPECULAR) buffer pixel_specular { vec4 specular[]; };
 layout(std430, binding = BINDING_PIXEL_EMISSION) readonly buffer pixel_emission { vec4 emission[]; };
 layout(std430, binding = BINDING_PIXEL_BEAUTY) buffer pixel_beauty { vec4 beauty[]; };
+layout(std430, binding = BINDING_PIXEL_LAMPS) readonly buffer PixelLamps { uvec2 pixel_lamps[]; };
 layout(location = 0) uniform uint light;
 layout(location = 1) uniform int first_row;
 layout(location = 2) uniform int last_row;

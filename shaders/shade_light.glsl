@@ -1,5 +1,6 @@
 // One light on a pixel's surface, added to what shade_surface.glsl began with. The pass has light,
-// sub_pixels and wetness.
+// sub_pixels and wetness, and in pixel_lamps what is known of the light's group
+// (shade_corners.glsl).
 #include "shade_pixel.glsl"
 
 // A pixel's sub-pixels share its samples of an area light: each takes others of the same grid.
@@ -18,7 +19,7 @@ float glossy_sum = 0.0f;   // of a light's samples: irradiance per intensity or 
 #endif
 #include "direct_light.glsl"
 
-// How much of an area light a pixel sees. Only what is partly seen takes all samples.
+// How much of a light a pixel sees. Only of what is partly seen, or not known, are samples looked at.
 CONSTANT float kHidden = 0.0f, kInFullView = 1.0f, kPartlySeen = 2.0f;
 
 // Not where there is no surface, or a lamp itself.
@@ -26,9 +27,27 @@ bool can_be_lit(Pixel pixel) {
     return pixel.surface.w > 0.0f && emission[pixel.index].w <= 0.0f;
 }
 
+// Cosine to a lamp without extent: where light grazes more than this, bumps smaller than a leaf have
+// shadows.
+CONSTANT float kGrazing = 0.2f;
+
+// How much of the light the lobes round a pixel agree that it sees.
+float known_from_lobes(Pixel pixel) {
+    vec3 to_lamp = vec3(lights[light].position) - pixel.position;
+    if (lights[light].kind != LIGHT_AREA &&
+        dot(vec3(pixel.surface), to_lamp) < kGrazing * length(to_lamp)) {
+        return kPartlySeen;
+    }
+    uvec2 lamps = pixel_lamps[pixel.index];
+    return (lamps.x & lamp_bit(light)) != 0u   ? kInFullView
+           : (lamps.y & lamp_bit(light)) != 0u ? kHidden
+                                               : kPartlySeen;
+}
+
 // A tile of 4 x 4 pixels looks at an area light together: each pixel at 3 of a grid of 6 x 6 samples,
 // each sample seen by one pixel at least. Nothing that hides a sample from them all is missed,
-// however thin; where they do not agree, or lie on different surfaces, the light is partly seen.
+// however thin; where they do not agree, or lie on different surfaces, the light is partly seen. For
+// pixels that the lobes have looked for, these looks count.
 CONSTANT uint kGrid = 6u, kLooks = 3u, kTile = 4u, kTilePixels = 16u;
 
 // The looks of the pixel at `place` in its tile, whose first pixel is on the surface `first`: how many
@@ -38,6 +57,12 @@ void look(Pixel pixel, uint place, vec4 first, OUT(uint) seen, OUT(uint) hidden)
     hidden = 0u;
     vec3 normal = vec3(pixel.surface);
     if (dot(normal, vec3(first)) <= 0.9f || abs(pixel.surface.w - first.w) >= 0.05f * first.w) return;
+    float known = known_from_lobes(pixel);
+    if (known != kPartlySeen) {
+        seen = known == kInFullView ? kLooks : 0u;
+        hidden = kLooks - seen;
+        return;
+    }
     Light area = lights[light];
     for (uint i = place; i < kLooks * kTilePixels; i += kTilePixels) {
         uint cell = i % (kGrid * kGrid);
@@ -68,11 +93,10 @@ void shade_light(uvec2 at, int first_row, int last_row) {
     Pixel pixel = pixel_at(at);
     uint index = pixel.index;
     if (!can_be_lit(pixel)) return;
-    in_full_view = false;
-    if (lights[light].kind == LIGHT_AREA) {
-        if (direct[index].w == kHidden) return;
-        in_full_view = direct[index].w == kInFullView;
-    }
+    float known = known_from_lobes(pixel);
+    if (known == kPartlySeen && lights[light].kind == LIGHT_AREA) known = direct[index].w;
+    if (known == kHidden) return;
+    in_full_view = known == kInFullView;
     area_phase = (vec2(at.x % uint(sub_pixels), at.y % uint(sub_pixels)) + 0.5f) / float(sub_pixels);
 
     vec4 albedo = albedos[index];

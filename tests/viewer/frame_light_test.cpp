@@ -64,6 +64,38 @@ TEST(FrameLight, ThreeHundredLampsInOnePlaceAreOneLamp) {
     expect_no_errors(room.context);
 }
 
+TEST(FrameLight, LobesLookAgainWhereLampsMovedAndRaysAreTracedWhereLooksAreNotKept) {
+    const Context context = Context::headless();
+    SurfelCloud cloud = testing::closed_room({-2.0f, -1.5f, 0.0f}, {2.0f, 1.5f, 2.4f}, 0.04f);
+    const Vec3f low{-0.3f, -0.3f, 1.0f}, high{0.3f, 0.3f, 1.2f};
+    testing::add_wall(cloud, 2, low.z, -1.0f, low, high, 0.02f);
+    testing::add_wall(cloud, 2, high.z, 1.0f, low, high, 0.02f);
+    const Octree octree = build_octree(std::move(cloud), {.depth = 5});
+    const View view = view_of(camera_at({-1.6, -1.1, 1.8}, {0.3, 0.2, 0.0}, 96, 72));
+    const Scene first = lamps(40, {-0.6, 0.3, 2.0}), moved = lamps(40, {0.5, -0.4, 2.0});
+    Frame frame(context, octree.view(), {.samples = 1});
+
+    LightField field(context, octree.view(), first);
+    const FrameLayers before = frame.render(view, field);
+    field.set_scene(moved);
+    const FrameLayers after = frame.render(view, field);
+    LightField fresh(context, octree.view(), moved);
+    EXPECT_EQ(after.direct, frame.render(view, fresh).direct);
+    EXPECT_NE(after.direct, before.direct);
+
+    LightField traced(context, octree.view(), moved, {.memory = 1});
+    const FrameLayers exact = frame.render(view, traced);
+    EXPECT_EQ(traced.lamp_looks().bytes(), 0u);
+    double sum = 0, off = 0;
+    for (std::size_t i = 0; i < exact.direct.size(); ++i) {
+        sum += exact.direct[i].x;
+        off += std::abs(double(after.direct[i].x - exact.direct[i].x));
+    }
+    std::cout << "looks differ from rays by " << off / sum << " in the mean\n";
+    EXPECT_LT(off, 0.005 * sum);
+    expect_no_errors(context);
+}
+
 TEST(FrameLight, OnlyWetWallsMirrorAndALampShowsWhereAFlatMirrorWouldShowIt) {
     Room room;
     const Vec3d lamp{0.5, 0.3, 1.4};

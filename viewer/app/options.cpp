@@ -248,6 +248,7 @@ std::optional<Options> read_options(int argc, char** argv) {
         options.light_depth = light_depth;
         if (light_memory_option->count() == 0) options.light_memory = 0;
     }
+    options.light.memory = options.light_memory;
     if (cones_option->count() > 0 || options.light.faithful) {
         options.light.gather = Gather::kCones;
     }

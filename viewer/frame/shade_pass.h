@@ -14,8 +14,9 @@ struct ShadedLayers {
 struct ShadePassInput {
     const Buffer& panels;  ///< Panel
     std::uint32_t panel_count = 0;
-    const Buffer& corners;  ///< CornerLight, shade_corners.glsl
-    int sub_pixels = 1;     ///< Shading::draw
+    const Buffer& corners;      ///< CornerLight, shade_corners.glsl
+    const Buffer& pixel_lamps;  ///< [pixels] uvec2, shade_corners.glsl
+    int sub_pixels = 1;         ///< Shading::draw
 };
 
 /// Twin of shade.comp and shade_light.comp for dry walls where OpenGL runs on the CPU: the same

@@ -43,12 +43,14 @@ void Shading::draw(const GBuffer& gbuffer, const LightField& light, const View& 
         layers_ = {Buffer("pixel direct", bytes), Buffer("pixel indirect", bytes),
                    Buffer("pixel specular", bytes), Buffer("pixel emission", bytes),
                    Buffer("pixel beauty", bytes)};
+        pixel_lamps_ = Buffer("pixel lamps", bytes / 2);
     }
     const std::size_t corners = corners_of(view.width) * corners_of(view.height);
     if (corners_.bytes() != corners * sizeof(gpu::CornerLight))
         corners_ = Buffer("corner lights", corners * sizeof(gpu::CornerLight));
     if (runs_on_cpu() && !shaders_forced_ && wetness <= 0.0f) {
-        shade_on_cpu(gbuffer, light, {panels_, panel_count_, corners_, sub_pixels}, layers_);
+        shade_on_cpu(gbuffer, light, {panels_, panel_count_, corners_, pixel_lamps_, sub_pixels},
+                     layers_);
     } else {
         draw_by_shaders(gbuffer, light, view, sub_pixels, wetness);
     }
@@ -63,7 +65,10 @@ void Shading::draw_by_shaders(const GBuffer& gbuffer, const LightField& light, c
     }
     const Passes& passes = wetness > 0.0f ? *wet_ : dry_;
 
+    const Buffer& looks = light.lamp_looks();
+    light.look_at_lamps();
     light.bind();
+    looks.bind_storage(BINDING_LAMP_LOOKS);
     gbuffer.bind();
     panels_.bind_storage(BINDING_PANELS);
     layers_.direct.bind_storage(BINDING_PIXEL_DIRECT);
@@ -72,14 +77,21 @@ void Shading::draw_by_shaders(const GBuffer& gbuffer, const LightField& light, c
     layers_.emission.bind_storage(BINDING_PIXEL_EMISSION);
     layers_.beauty.bind_storage(BINDING_PIXEL_BEAUTY);
     corners_.bind_storage(BINDING_CORNERS);
+    pixel_lamps_.bind_storage(BINDING_PIXEL_LAMPS);
     const auto run = [&](const Program& pass) {
         pass.use();
         glDispatchCompute((width + 7) / 8, (height + 7) / 8, 1);
         glMemoryBarrier(GL_ALL_BARRIER_BITS);
     };
-    corners_pass_.use();
-    glDispatchCompute((width / SHADE_TILE + 9) / 8, (height / SHADE_TILE + 9) / 8, 1);
-    glMemoryBarrier(GL_ALL_BARRIER_BITS);
+    const auto look_up_lamps = [&](std::uint32_t group) {
+        set_uniform(corners_pass_, 0, group);
+        set_uniform(corners_pass_, 1, looks.bytes() > 0 ? 1u : 0u);
+        corners_pass_.use();
+        glDispatchCompute((width / SHADE_TILE + 9) / 8, (height / SHADE_TILE + 9) / 8, 1);
+        glMemoryBarrier(GL_ALL_BARRIER_BITS);
+        run(lamps_pass_);
+    };
+    look_up_lamps(0);
     set_uniform(passes.surface, 0, panel_count_);
     set_uniform(passes.surface, 1, wetness);
     run(passes.surface);
@@ -88,6 +100,8 @@ void Shading::draw_by_shaders(const GBuffer& gbuffer, const LightField& light, c
     set_uniform(passes.light, 4, wetness);
     const std::int32_t rows = (kAreaRows + sub_pixels - 1) / sub_pixels;
     for (std::uint32_t i = 0; i < light.lights().size(); ++i) {
+        if (i > 0 && i % LAMPS_IN_GROUP == 0 && looks.bytes() > 0)
+            look_up_lamps(i / LAMPS_IN_GROUP);
         set_uniform(passes.light, 0, i);
         const bool area = light.lights()[i].kind == LIGHT_AREA;
         if (area) {

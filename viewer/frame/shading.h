@@ -52,8 +52,9 @@ class Shading {
     std::optional<Passes> wet_;  // compiled when first asked for
     ShadedLayers layers_;
     Buffer panels_;
-    Buffer corners_;  // CornerLight where squares of SHADE_TILE pixels meet
-    Program corners_pass_{{"shade_corners.comp"}};
+    Buffer corners_;      // CornerLight where squares of SHADE_TILE pixels meet
+    Buffer pixel_lamps_;  // [pixels] uvec2, of one group of lamps
+    Program corners_pass_{{"shade_corners.comp"}}, lamps_pass_{{"pixel_lamps.comp"}};
     std::uint32_t panel_count_ = 0;
     bool shaders_forced_ = false;
 };

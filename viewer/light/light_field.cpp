@@ -33,6 +33,13 @@ std::size_t field_bytes(const OctreeView& octree) {
     return octree.lobes.size() * sizeof(gpu::vec4);
 }
 
+/// Whether two lights cast the same shadows.
+bool same_place(const gpu::Light& a, const gpu::Light& b) {
+    return a.kind == b.kind && a.tag == b.tag && to_vec3(a.position) == to_vec3(b.position) &&
+           to_vec3(a.axis) == to_vec3(b.axis) && to_vec3(a.edge_u) == to_vec3(b.edge_u) &&
+           to_vec3(a.edge_v) == to_vec3(b.edge_v);
+}
+
 }  // namespace
 
 LightField::LightField(const Context& context, const OctreeView& octree, const Scene& scene,
@@ -48,6 +55,7 @@ LightField::LightField(const Context& context, const OctreeView& octree, const S
       gathered_("gathered irradiance", field_bytes(octree)),
       lit_("light of lobes", octree.lobes.size() * sizeof(gpu::LobeLight)),
       inject_({"inject.comp"}),
+      look_({"lamp_looks.comp"}),
       radiate_({"radiate.comp"}),
       light_gradient_({"light_gradient.comp"}),
       smooth_light_({"smooth_light.comp"}),
@@ -58,7 +66,9 @@ LightField::LightField(const Context& context, const OctreeView& octree, const S
 }
 
 void LightField::set_scene(const Scene& scene) {
-    lights_ = lights_for_gpu(scene, octree_, settings_.faithful);
+    std::vector<gpu::Light> lights = lights_for_gpu(scene, octree_, settings_.faithful);
+    if (!std::ranges::equal(lights, lights_, same_place)) lamp_looks_.reset();
+    lights_ = std::move(lights);
     lights_buffer_ = Buffer::of("lights", std::span<const gpu::Light>(lights_));
     const auto emitted = emitted_radiance(scene, octree_, settings_.faithful);
     emitted_ = Buffer::of("emitted radiance", std::span(emitted));
@@ -129,6 +139,38 @@ void LightField::bind() const {
     radiance_.bind_storage(BINDING_RADIANCE);
     lights_buffer_.bind_storage(BINDING_LIGHTS);
     lit_.bind_storage(BINDING_LIGHT);
+}
+
+const Buffer& LightField::lamp_looks() const {
+    if (lamp_looks_) return *lamp_looks_;
+    const std::uint64_t lobes = octree_.lobes.size();
+    const std::uint64_t groups = (lights_.size() + LAMPS_IN_GROUP - 1) / LAMPS_IN_GROUP;
+    const std::uint64_t bytes = groups * lobes * 2 * sizeof(gpu::uint);
+    std::uint64_t most = context_.device().software ? kMostLookBytes : 0;
+    if (settings_.memory > 0) {
+        const std::uint64_t others = light_bytes(octree_.nodes.size(), lobes, settings_);
+        most = std::min(most, settings_.memory - std::min(settings_.memory, others));
+    }
+    lamp_looks_.emplace("looks at lamps", bytes <= most ? bytes : 0);
+    all_looked_ = false;
+    return *lamp_looks_;
+}
+
+void LightField::look_at_lamps() const {
+    if (lamp_looks().bytes() == 0 || all_looked_) return;
+    bind();
+    lamp_looks_->bind_storage(BINDING_LAMP_LOOKS);
+    const std::size_t lobes = octree_.lobes.size();
+    for (std::uint32_t lamp = 0; lamp < gpu_octree_.grid.light_count; ++lamp) {
+        set_uniform(look_, 2, lamp);
+        for (std::size_t first = 0; first < lobes; first += kLobesAtOnce) {
+            const std::size_t last = std::min(lobes, first + kLobesAtOnce);
+            set_uniform(look_, 0, static_cast<std::uint32_t>(first));
+            set_uniform(look_, 1, static_cast<std::uint32_t>(last));
+            look_.dispatch(last - first, kGroup);
+        }
+    }
+    all_looked_ = true;
 }
 
 void LightField::show_to_cones() const {

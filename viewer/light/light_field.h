@@ -91,13 +91,20 @@ class LightField {
     std::span<const gpu::Light> lights() const { return lights_; }
     const GpuLinks& links() const { return links_; }
     const GpuOctree& octree() const { return gpu_octree_; }
+    /// [groups of lamps][lobes] two words: which lamps a lobe is known to see and not to see
+    /// (lamp_looks.glsl), kept while lamps rest. Who shades in compiled code has the lobes look
+    /// that it asks. Empty on a GPU, where shadow rays cost less than looks, where no lamps are,
+    /// and where looks would take more than kMostLookBytes or settings().memory leaves.
+    const Buffer& lamp_looks() const;
+    static constexpr std::uint64_t kMostLookBytes = std::uint64_t{1} << 28;
+    void look_at_lamps() const;  ///< all lobes, if lamp_looks() are kept
     /// [lobes] gpu::LobeLight: what light_lookup.glsl reads.
     const Buffer& lobe_lights() const { return lit_; }
     const LightSettings& settings() const { return settings_; }
 
   private:
     void prepare_rays(std::uint32_t rays, const Progress& progress);  // at least so many
-    void inject() const;         // what is left of it
+    void inject() const;                                              // what is left of it
     bool runs_compiled() const;  // what has a twin in compiled code
     const RayTracer& tracer() const;
     std::vector<ProbeResult> measure_compiled(std::span<const gpu::vec4> places) const;
@@ -114,7 +121,8 @@ class LightField {
     Buffer lights_buffer_;
     Buffer emitted_, direct_, indirect_, radiance_, gathered_;  // [lobes] vec4
     Buffer lit_;                                                // [lobes] LobeLight
-    Program inject_, radiate_, light_gradient_, smooth_light_, probe_direct_, probe_indirect_;
+    Program inject_, look_, radiate_, light_gradient_, smooth_light_, probe_direct_,
+        probe_indirect_;
     GpuLinks links_;
     std::optional<ConeGather> cones_;
     mutable std::optional<ConeGather> mirrored_;  // for show_to_cones, made when first asked for
@@ -122,6 +130,8 @@ class LightField {
     mutable std::unique_ptr<RayTracer> tracer_;   // made when first asked for
     mutable std::uint32_t injected_lights_ = 0;   // whole ones
     mutable std::size_t injected_lobes_ = 0;      // of the next light
+    mutable std::optional<Buffer> lamp_looks_;    // made when first asked for
+    mutable bool all_looked_ = false;             // lamp_looks_ is complete
 };
 
 }  // namespace glowworm

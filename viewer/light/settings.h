@@ -29,6 +29,7 @@ struct LightSettings {
     bool tricubic = true;     ///< lookup between lobes; false: trilinear
     TraceSettings trace = {};
     RunOn run_on = RunOn::kFaster;
+    std::uint64_t memory = 0;  ///< bytes that light may take on the GPU; 0: any
 };
 
 }  // namespace glowworm

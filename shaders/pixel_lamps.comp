@@ -1,0 +1,17 @@
+#version 450 core
+#extension GL_GOOGLE_include_directive : require
+#include "frame_layout.h"
+
+// Which of a group's lamps every pixel is known to see and not to see.
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(std430, binding = BINDING_PIXEL_SURFACES) readonly buffer pixel_surfaces { vec4 surfaces[]; };
+layout(std430, binding = BINDING_CORNERS) readonly buffer corner_lights { CornerLight corners[]; };
+layout(std430, binding = BINDING_PIXEL_LAMPS) writeonly buffer PixelLamps { uvec2 pixel_lamps[]; };
+#include "shade_corners.glsl"
+
+void main() {
+    uvec2 at = gl_GlobalInvocationID.xy;
+    if (any(greaterThanEqual(at, uvec2(view.width, view.height)))) return;
+    Pixel pixel = pixel_at(at);
+    pixel_lamps[pixel.index] = lamps_between_corners(pixel, at);
+}
