@@ -8,10 +8,11 @@ layout(local_size_x = 64) in;
 layout(location = 0) uniform uint history;   // earlier iterates, 0..3
 layout(std430, binding = BINDING_INDIRECT) readonly buffer Indirect { vec4 indirect_field[]; };  // x
 layout(std430, binding = BINDING_SCRATCH_B) readonly buffer Gathered { vec4 gathered[]; };       // T(x)
-// Luminance of the residual T(x) - x of the iterate in slot s at [s * lobe_count + lobe]; `slots`
+// Luminance of the residual T(x) - x of the iterate in slot s at [s * count + lobe]; `slots`
 // lists the newest first.
 layout(std430, binding = BINDING_SCRATCH_C) buffer Residuals { float residuals[]; };
 layout(location = 1) uniform uint slots[4];
+layout(location = 5) uniform uint count;   // of what the iterates are made of
 // Per group: 6 products of differences (00 01 02 11 12 22), 3 with the newest residual, |r|^2, |x|^2,
 // the sum of relative changes.
 layout(std430, binding = BINDING_SCRATCH_A) writeonly buffer Sums { float sums[]; };
@@ -25,13 +26,13 @@ void main() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     uint local = gl_LocalInvocationID.x;
     uint i = group * 64u + local;
-    bool here = i < grid.lobe_count;
+    bool here = i < count;
     float x = here ? luminance(indirect_field[i].rgb) : 0.0;
     float r = here ? luminance(gathered[i].rgb) - x : 0.0;
-    if (here) residuals[slots[0] * grid.lobe_count + i] = r;
+    if (here) residuals[slots[0] * count + i] = r;
     float d[3];
     for (uint j = 0u; j < 3u; ++j) {
-        d[j] = here && j < history ? r - residuals[slots[j + 1u] * grid.lobe_count + i] : 0.0;
+        d[j] = here && j < history ? r - residuals[slots[j + 1u] * count + i] : 0.0;
     }
     partial[0][local] = d[0] * d[0];
     partial[1][local] = d[0] * d[1];
@@ -52,7 +53,7 @@ void main() {
         }
     }
     barrier();
-    if (local < kSums && group * 64u < grid.lobe_count) {
+    if (local < kSums && group * 64u < count) {
         sums[group * kSums + local] = partial[local][0];
     }
 }

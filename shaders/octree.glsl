@@ -66,5 +66,6 @@ vec3 unpack_rgb9e5(uint bits) {
     return mantissa * exp2(float(bits >> 27) - 24.0f);
 }
 
-uint lobes_of_leaf(uint mask) { return (mask >> 8) & 3u; }
+// Up to three; seven in the trees of light domains (viewer/light/domains.h).
+uint lobes_of_leaf(uint mask) { return (mask >> 8) & 7u; }
 #endif

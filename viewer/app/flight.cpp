@@ -61,6 +61,16 @@ class FlightOutput {
     std::unique_ptr<FrameFolder> folder_;
 };
 
+/// From what was reflected before, unless so many bounces are asked for.
+void reflect(LightField& light, const Options& options) {
+    if (options.bounces) {
+        light.forget_indirect();
+        light.iterate(*options.bounces);
+    } else {
+        light.converge(kCarriedTolerance, kBouncesAStep);
+    }
+}
+
 /// The lamp on the flyer's helmet, where the scene is our own.
 class CarriedLamp {
   public:
@@ -71,18 +81,15 @@ class CarriedLamp {
         }
     }
 
+    const Scene& scene() const { return scene_; }
+
     /// Moves it to where `camera` is; what was reflected before is where the bounces start from.
     void carry_to(const Camera& camera, LightField& light) {
         if (lamp_ == nullptr || length(camera.position - at_) < kHeadlampStep) return;
         at_ = camera.position;
         lamp_->position = headlamp_at(camera, 0.0f).position;
         light.set_scene(scene_);
-        if (options_.bounces) {
-            light.forget_indirect();
-            light.iterate(*options_.bounces);
-        } else {
-            light.converge(kCarriedTolerance, kBouncesAStep);
-        }
+        reflect(light, options_);
     }
 
   private:
@@ -117,8 +124,9 @@ CameraPath prepare_flight(const Options& options) {
 }
 
 nlohmann::ordered_json render_flight(const Context& context, const Cave& cave, LightField& light,
-                                     const Start& start, const CameraPath& path,
-                                     const Options& options, const Progress& progress) {
+                                     GroupedLight* grouped, const Start& start,
+                                     const CameraPath& path, const Options& options,
+                                     const Progress& progress) {
     const int count = frame_count(path);
     const double share = 1.0 - std::exp(-kAdaptionRate / path.fps);
     const Camera first = camera_of_frame(path, 0, start, options);
@@ -130,6 +138,10 @@ nlohmann::ordered_json render_flight(const Context& context, const Cave& cave, L
     DisplaySettings display = options.display;
     for (int i = 0; i < count; ++i) {
         const Camera camera = camera_of_frame(path, i, start, options);
+        if (grouped != nullptr && grouped->is_far_from(camera.position)) {
+            grouped->look_from(std::span(&camera.position, 1), lamp.scene(), light);
+            reflect(light, options);
+        }
         lamp.carry_to(camera, light);
         const View view = view_of(camera);
         const FrameLayers layers = frame.render(view, light);

@@ -8,6 +8,7 @@
 #include "octree/output_path.h"
 #include "viewer/app/benchmark.h"
 #include "viewer/app/flight.h"
+#include "viewer/app/grouped_light.h"
 #include "viewer/app/lamps.h"
 #include "viewer/app/picture_file.h"
 #include "viewer/app/probes.h"
@@ -23,6 +24,7 @@ using Json = nlohmann::ordered_json;
 /// How light is gathered, and on what.
 Json method_of(const Cave& cave, const Options& options) {
     Json method{{"light_depth", cave.light().grid.depth}};
+    if (cave.light_groups > 0) method["light_groups"] = cave.light_groups;
     if (options.light.gather == Gather::kLinks) {
         method["links"] = options.light.links;
     } else {
@@ -48,6 +50,15 @@ Json propagate(LightField& light, const Options& options, Console& console) {
     }
     return {
         {"bounces", result.bounces}, {"residual", result.residual}, {"settled", result.settled}};
+}
+
+/// What light is to be good at: where it is measured, else what the camera sees.
+std::vector<Vec3d> places_of_interest(const Start& start, const Options& options) {
+    if (options.probes.empty()) return {start.camera.position};
+    std::vector<Vec3d> places;
+    for (const MeterPoint& point : read_probes(options.probes).probes)
+        places.push_back(point.position);
+    return places;
 }
 
 Json measure_probes(const LightField& light, const Options& options, Console& console) {
@@ -126,6 +137,13 @@ Json run_headless(const Options& options, const Cave& cave, Console& console) {
     LightField light(context, cave.light(), start.scene, options.light);
     cave.file.require_intact();
 
+    std::optional<GroupedLight> grouped;
+    if (cave.light_groups > 0 && options.bounces != 0) {
+        grouped.emplace(cave.light(), options.light, cave.light_groups);
+        grouped->look_from(places_of_interest(start, options), start.scene, light,
+                           console.phase("links", "groups"));
+    }
+
     Json result{{"output", output.string()}, {"renderer", context.device().renderer}};
     result.update(method_of(cave, options));
     result.update(propagate(light, options, console));
@@ -133,8 +151,8 @@ Json run_headless(const Options& options, const Cave& cave, Console& console) {
         console.phase("benchmark", "frames");
         result.update(run_benchmark(context, cave, light, start, options));
     } else if (path) {
-        result.update(render_flight(context, cave, light, start, *path, options,
-                                    console.phase("flight", "frames")));
+        result.update(render_flight(context, cave, light, grouped ? &*grouped : nullptr, start,
+                                    *path, options, console.phase("flight", "frames")));
     } else if (!options.probes.empty()) {
         result.update(measure_probes(light, options, console));
     } else {

@@ -16,13 +16,16 @@ constexpr auto kInjectTime = std::chrono::milliseconds(50);  // between two fram
 }  // namespace
 
 LiveLight::LiveLight(const Context& context, const OctreeView& octree, const Scene& scene,
-                     const LightSettings& settings, std::optional<int> bounces)
-    : settings_(settings), most_bounces_(bounces) {
+                     const LightSettings& settings, std::optional<int> bounces,
+                     std::uint64_t most_groups)
+    : scene_(scene), settings_(settings), most_bounces_(bounces) {
     field_ = std::make_unique<LightField>(context, octree, scene, settings);
     const bool links = settings.gather == Gather::kLinks && !settings.faithful;
     const bool baked = octree.links_per_lobe >= settings.links;
     if (bounces == 0) {
         settled_ = all_traced_ = true;
+    } else if (links && most_groups > 0) {
+        grouped_ = std::make_unique<GroupedLight>(octree, settings, most_groups);
     } else if (links && context.device().software && !baked) {
         worker_ = std::make_unique<LinkWorker>(
             octree, LinkSettings{.rays = settings.links, .trace = settings.trace});
@@ -30,6 +33,7 @@ LiveLight::LiveLight(const Context& context, const OctreeView& octree, const Sce
 }
 
 void LiveLight::set_scene(const Scene& scene) {
+    scene_ = scene;
     field_->set_scene(scene);
     settled_ = most_bounces_ == 0;
     residuals_.clear();
@@ -41,9 +45,19 @@ void LiveLight::begin_bounces() {
     if (most_bounces_) field_->forget_indirect();  // so many bounces of this light, not of other
 }
 
+void LiveLight::look_from(const Vec3d& eye) {
+    if (grouped_ && !grouped_->looks() && grouped_->is_far_from(eye))
+        grouped_->begin_to_look_from(eye, scene_);
+}
+
 /// Whether light now goes along more rays than before.
 bool LiveLight::take_rays() {
     const std::uint32_t before = field_->links().rays();
+    if (grouped_) {
+        const bool others = grouped_->take(*field_);
+        all_traced_ = !grouped_->looks() && field_->links().rays() > 0;
+        return others;
+    }
     if (worker_) {
         const std::uint32_t ready = worker_->rays_ready();
         if (ready > before) field_->use_links(worker_->first_rays(ready));
@@ -66,6 +80,7 @@ bool LiveLight::inject_for_a_while() {
 }
 
 bool LiveLight::advance() {
+    if (grouped_ && grouped_->looks()) all_traced_ = false;
     if (settled()) return false;
     injecting_ = inject_for_a_while();
     if (injecting_) return false;
@@ -73,7 +88,7 @@ bool LiveLight::advance() {
         settled_ = false;
         begin_bounces();
     }
-    const bool nothing_to_follow = worker_ && field_->links().rays() == 0;
+    const bool nothing_to_follow = (worker_ || grouped_) && field_->links().rays() == 0;
     if (settled_ || nothing_to_follow) return false;
     const int most = most_bounces_.value_or(kBouncesEnough);
     const int now = most_bounces_ ? most : std::min(kBouncesAtOnce, most - bounces_);
@@ -97,15 +112,18 @@ std::string LiveLight::status() const {
         return fmt::format("{}direct light reaches the walls, {:.0f} %",
                            rays == 0 ? "direct only; " : "", field_->share_injected() * 100.0);
     }
-    if (worker_ && rays == 0) {
-        return fmt::format("direct only; tracing links, {:.0f} %", worker_->share_done() * 100.0);
-    }
+    const double traced = grouped_  ? grouped_->share_done()
+                          : worker_ ? worker_->share_done()
+                                    : double(rays) / double(settings_.links);
+    if ((worker_ || grouped_) && rays == 0)
+        return fmt::format("direct only; tracing links, {:.0f} %", traced * 100.0);
     const std::string light =
         fmt::format("{} {} bounces", settled_ ? "settled after" : "propagating,", bounces_);
     if (all_traced_ || rays == 0) return light;
-    const double share = worker_ ? worker_->share_done() : double(rays) / double(settings_.links);
+    if (grouped_)
+        return fmt::format("{}; tracing links where you went, {:.0f} %", light, traced * 100.0);
     return fmt::format("a preview by {} of {} rays a lobe, {}; tracing links, {:.0f} %", rays,
-                       settings_.links, light, share * 100.0);
+                       settings_.links, light, traced * 100.0);
 }
 
 }  // namespace glowworm

@@ -7,6 +7,7 @@
 
 #include "octree/octree_file.h"
 #include "octree/scene.h"
+#include "viewer/app/grouped_light.h"
 #include "viewer/app/link_worker.h"
 #include "viewer/light/light_field.h"
 
@@ -18,10 +19,14 @@ namespace glowworm {
 /// beside the window's thread, else a step between two frames.
 class LiveLight {
   public:
+    /// `most_groups`: of lobes that light is simulated on (grouped_light.h); 0: each for itself.
     LiveLight(const Context& context, const OctreeView& octree, const Scene& scene,
-              const LightSettings& settings, std::optional<int> bounces);
+              const LightSettings& settings, std::optional<int> bounces,
+              std::uint64_t most_groups = 0);
 
     void set_scene(const Scene& scene);
+    /// Where the camera is (m, world): grouped light becomes finer there, by and by.
+    void look_from(const Vec3d& eye);
     /// A few bounces, along more rays where they have arrived. True where the light has changed.
     bool advance();
 
@@ -38,9 +43,11 @@ class LiveLight {
     void begin_bounces();
     bool take_rays();
 
+    Scene scene_;
     LightSettings settings_;
     std::optional<int> most_bounces_;
-    std::unique_ptr<LinkWorker> worker_;  // outlives the field that uses its links
+    std::unique_ptr<LinkWorker> worker_;     // outlives the field that uses its links
+    std::unique_ptr<GroupedLight> grouped_;  // so does this
     std::unique_ptr<LightField> field_;
     std::vector<float> residuals_;
     bool all_traced_ = false;  // or whatever else light goes along

@@ -183,9 +183,9 @@ std::optional<Options> read_options(int argc, char** argv) {
                                    ->check(CLI::Range(1u, kMaxDepth));
     auto* light_memory_option =
         app.add_option("--light-memory", options.light_memory,
-                       "what light may take on the GPU (2G, 500M; 0: any), its links included; it "
-                       "is simulated at the deepest level that fits, and that is said (1536M; with "
-                       "--light-depth any)")
+                       "what light may take (2G, 500M; 0: any), its links included: a cave that "
+                       "needs more has light of groups of lobes, small near the camera and lamps, "
+                       "and that is said (1536M; with --light-depth any)")
             ->transform(CLI::AsSizeValue(false));
     app.add_option("--interpolation", interpolation, "between leaves: trilinear or tricubic")
         ->check(CLI::IsMember({"trilinear", "tricubic"}));

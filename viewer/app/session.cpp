@@ -190,6 +190,7 @@ void Session::step_light() {
         relight_if_changed();
         // What takes long waits until nothing moves.
         const bool waits = light_ && light_->injecting() && resting_seconds() < kRestSeconds;
+        if (light_) light_->look_from(navigator_.camera().position());
         if (light_ && !waits && light_->advance()) frame_.spoil();
     } catch (const Error& error) {
         give_up(error.what());
@@ -206,7 +207,8 @@ void Session::make_light() {
     light_.reset();
     const auto bounces = state_.limit_bounces ? std::optional(state_.bounces) : std::nullopt;
     const Scene scene = lit_scene();
-    light_ = std::make_unique<LiveLight>(context_, cave_.light(), scene, state_.light, bounces);
+    light_ = std::make_unique<LiveLight>(context_, cave_.light(), scene, state_.light, bounces,
+                                         cave_.light_groups);
     frame_.set_panels(scene.area_lights);
     lit_by_ = lit_by();
     frame_.spoil();

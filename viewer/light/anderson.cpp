@@ -60,7 +60,10 @@ Anderson::Anderson(std::size_t lobes)
       mix_({"anderson_mix.comp"}),
       partial_sums_("anderson sums", (lobes + kGroup - 1) / kGroup * kSums * sizeof(float)),
       residuals_("anderson residuals", lobes * kSlots * sizeof(float)),
-      past_("anderson history", lobes * kSlots * 4 * sizeof(float)) {}
+      past_("anderson history", lobes * kSlots * 4 * sizeof(float)) {
+    for (const Program* program : {&sums_, &mix_})
+        set_uniform(*program, 5, static_cast<std::uint32_t>(lobes));
+}
 
 void Anderson::forget() {
     history_ = 0;

@@ -14,7 +14,7 @@ namespace glowworm {
 /// always converges, when the residual grows or the least squares is not finite.
 class Anderson {
   public:
-    explicit Anderson(std::size_t lobes);
+    explicit Anderson(std::size_t lobes);  ///< or groups of them
 
     /// What a bounce changes, before it is taken.
     struct Change {

@@ -39,7 +39,7 @@ std::vector<gpu::vec4> bounce_along(const LinkRows& rows, std::span<const gpu::v
     std::vector<gpu::vec4> sources(radiance.begin(), radiance.end());
     sources.emplace_back();
     const auto black = static_cast<std::uint32_t>(radiance.size());
-    std::vector<gpu::vec4> gathered(radiance.size());
+    std::vector<gpu::vec4> gathered(rows.links.size() / std::max(rows.stride, 1u));
     for_each_lobe(gathered.size(), [&](std::size_t lobe) {
         const auto row = rows.of(lobe);
         gpu::vec4 sum{};

@@ -22,7 +22,7 @@ struct LinkRows {
     }
 };
 
-/// [lobes] pi times the mean radiance over each lobe's links (bounce.comp).
+/// [rows] pi times the mean radiance over each row's links (bounce.comp). `radiance`: [lobes].
 std::vector<gpu::vec4> bounce_along(const LinkRows& rows, std::span<const gpu::vec4> radiance);
 
 /// [lobes] irradiance, and how it changes as the surface turns (light_gradient.comp); `walls` are

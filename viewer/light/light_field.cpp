@@ -40,6 +40,10 @@ bool same_place(const gpu::Light& a, const gpu::Light& b) {
            to_vec3(a.edge_v) == to_vec3(b.edge_v);
 }
 
+bool shines(const gpu::vec4& radiance) {
+    return radiance.x != 0.0f || radiance.y != 0.0f || radiance.z != 0.0f;
+}
+
 }  // namespace
 
 LightField::LightField(const Context& context, const OctreeView& octree, const Scene& scene,
@@ -70,8 +74,10 @@ void LightField::set_scene(const Scene& scene) {
     if (!std::ranges::equal(lights, lights_, same_place)) lamp_looks_.reset();
     lights_ = std::move(lights);
     lights_buffer_ = Buffer::of("lights", std::span<const gpu::Light>(lights_));
-    const auto emitted = emitted_radiance(scene, octree_, settings_.faithful);
-    emitted_ = Buffer::of("emitted radiance", std::span(emitted));
+    emitted_by_lobes_ = emitted_radiance(scene, octree_, settings_.faithful);
+    if (groups_ == nullptr)
+        emitted_ = Buffer::of("emitted radiance", std::span<const gpu::vec4>(emitted_by_lobes_));
+    if (std::ranges::none_of(emitted_by_lobes_, shines)) emitted_by_lobes_ = {};
     gpu_octree_.grid.light_count = static_cast<std::uint32_t>(lights_.size());
     grid_.write(std::span<const gpu::LightGrid>(&gpu_octree_.grid, 1));
     direct_.clear();
@@ -176,9 +182,12 @@ void LightField::look_at_lamps() const {
 void LightField::show_to_cones() const {
     inject();
     if (!mirrored_) mirrored_.emplace(octree_, LightSettings{});
+    if (groups_ != nullptr)
+        radiance_ =
+            Buffer::of("outgoing radiance", std::span<const gpu::vec4>(radiance_by_groups()));
     bind();
     emitted_.bind_storage(BINDING_SCRATCH_A);
-    radiate_.dispatch(octree_.lobes.size(), kGroup);
+    if (groups_ == nullptr) radiate_.dispatch(octree_.lobes.size(), kGroup);
     mirrored_->filter();
 }
 
@@ -214,6 +223,55 @@ void LightField::use_links(const LinkRows& rows) {
     links_ = GpuLinks(rows);
 }
 
+void LightField::use_groups(const LightDomains& domains, const GroupLinks& links,
+                            const LightGroups* before) {
+    const std::size_t had = before != nullptr ? before->count() : octree_.lobes.size();
+    const auto light = regrouped(links.groups, before, indirect_.read<gpu::vec4>(had));
+    indirect_ = Buffer::of("indirect irradiance", std::span<const gpu::vec4>(light));
+    gathered_ = Buffer("gathered irradiance", light.size() * sizeof(gpu::vec4));
+    radiance_ = {};
+    emitted_ = {};
+    domains_ = &domains;
+    groups_ = &links;
+    links_ = GpuLinks(links.rows());
+}
+
+std::vector<gpu::vec4> LightField::radiance_by_groups() const {
+    const std::size_t lobes = octree_.lobes.size();
+    const auto indirect = indirect_.read<gpu::vec4>(groups_->groups.count());
+    std::vector<gpu::vec4> radiance(lobes);
+    for (std::size_t first = 0; first < lobes; first += kLobesAtOnce) {
+        const std::size_t count = std::min(kLobesAtOnce, lobes - first);
+        const auto direct = direct_.read<gpu::vec4>(count, first);
+        const std::span<const gpu::vec4> emitted(emitted_by_lobes_);
+        radiate(octree_.lobes.subspan(first, count),
+                emitted.empty() ? emitted : emitted.subspan(first, count), direct,
+                std::span(groups_->groups.group_of).subspan(first, count), indirect,
+                std::span(radiance).subspan(first, count));
+    }
+    return radiance;
+}
+
+/// Lobes of one domain after the other lie side by side, and go to the GPU as they do.
+void LightField::publish_groups(bool smooth) {
+    const LightGroups& groups = groups_->groups;
+    const auto lights = group_gradients(*groups_, octree_.lobes, radiance_by_lobes_,
+                                        indirect_.read<gpu::vec4>(groups.count()));
+    for (std::uint32_t coarser = 0; coarser <= LightDomains::kMostCoarser; ++coarser) {
+        std::vector<std::uint32_t> lobes;
+        auto spread = spread_to_lobes(octree_, *domains_, groups, coarser, gpu_octree_.grid, lights,
+                                      radiance_by_lobes_, smooth, lobes);
+        for (std::size_t i = 0; i < lobes.size(); ++i)
+            spread[i].irradiance.w = static_cast<float>(walls_[lobes[i]]);
+        for (std::size_t first = 0, last = 0; first < lobes.size(); first = last) {
+            while (last < lobes.size() && lobes[last] - lobes[first] == last - first)
+                ++last;
+            lit_.write(std::span<const gpu::LobeLight>(spread).subspan(first, last - first),
+                       lobes[first]);
+        }
+    }
+}
+
 void LightField::forget_indirect() {
     indirect_.clear();
     blacken();
@@ -229,6 +287,12 @@ void LightField::blacken() {
 void LightField::gather() {
     inject();
     bind();
+    if (groups_ != nullptr) {
+        radiance_by_lobes_ = radiance_by_groups();
+        gathered_.write(bounce_along(groups_->rows(), radiance_by_lobes_));
+        gathered_.bind_storage(BINDING_SCRATCH_B);
+        return;
+    }
     emitted_.bind_storage(BINDING_SCRATCH_A);
     radiate_.dispatch(octree_.lobes.size(), kGroup);
     gathered_.bind_storage(BINDING_SCRATCH_B);
@@ -244,6 +308,10 @@ void LightField::publish(bool smooth) {
     if (walls_.empty()) {
         walls_ = walls_beside(octree_);
         blacken();
+    }
+    if (groups_ != nullptr) {
+        publish_groups(smooth);
+        return;
     }
     bind();
     lit_.bind_storage(BINDING_SCRATCH_B);
@@ -294,7 +362,7 @@ Convergence LightField::converge(double tolerance, int max_bounces) {
     Convergence result;
     if (octree_.lobes.empty()) return {.settled = true};
     prepare_rays(GpuLinks::kAllRays, {});
-    Anderson anderson(octree_.lobes.size());
+    Anderson anderson(groups_ != nullptr ? groups_->groups.count() : octree_.lobes.size());
     while (result.bounces < max_bounces && !result.settled) {
         gather();
         result.residual = anderson.step().relative;
@@ -354,7 +422,12 @@ std::vector<gpu::vec4> LightField::read_direct() const {
 }
 
 std::vector<gpu::vec4> LightField::read_indirect() const {
-    return indirect_.read<gpu::vec4>(octree_.lobes.size());
+    if (groups_ == nullptr) return indirect_.read<gpu::vec4>(octree_.lobes.size());
+    const auto of_groups = indirect_.read<gpu::vec4>(groups_->groups.count());
+    std::vector<gpu::vec4> of_lobes;
+    for (const std::uint32_t group : groups_->groups.group_of)
+        of_lobes.push_back(of_groups[group]);
+    return of_lobes;
 }
 
 }  // namespace glowworm

@@ -15,6 +15,8 @@
 #include "viewer/gpu/program.h"
 #include "viewer/light/anderson.h"
 #include "viewer/light/cones.h"
+#include "viewer/light/domains.h"
+#include "viewer/light/group_light.h"
 #include "viewer/light/links.h"
 #include "viewer/light/settings.h"
 #include "viewer/light/upload.h"
@@ -68,6 +70,12 @@ class LightField {
     /// Light goes along these links from now on, from what it is; what keeps them outlives this.
     void use_links(const LinkRows& rows);
 
+    /// Reflected light is that of groups of lobes from now on, beginning with what it was on those
+    /// `before` (null: on every lobe); it goes along the groups' links, on the CPU. Domains and
+    /// links outlive their use. Not for cones.
+    void use_groups(const LightDomains& domains, const GroupLinks& links,
+                    const LightGroups* before = nullptr);
+
     void forget_indirect();  ///< back to direct light only
     /// `at_rest`: more will not follow at once, so that smoothing (below) is worth its time.
     void iterate(int bounces, bool at_rest = true);
@@ -111,6 +119,8 @@ class LightField {
     void gather();              // from the radiance of the current iterate into gathered_
     void publish(bool smooth);  // what lookups read, from indirect_
     void blacken();             // what lookups read
+    std::vector<gpu::vec4> radiance_by_groups() const;  // [lobes]
+    void publish_groups(bool smooth);
 
     const Context& context_;
     OctreeView octree_;
@@ -119,11 +129,18 @@ class LightField {
     Buffer grid_;  // LightGrid
     std::vector<gpu::Light> lights_;
     Buffer lights_buffer_;
-    Buffer emitted_, direct_, indirect_, radiance_, gathered_;  // [lobes] vec4
-    Buffer lit_;                                                // [lobes] LobeLight
+    Buffer emitted_, direct_;  // [lobes] vec4
+    Buffer indirect_;          // [lobes] vec4, or [groups]
+    mutable Buffer radiance_;  // [lobes] vec4
+    Buffer gathered_;          // as indirect_
+    Buffer lit_;               // [lobes] LobeLight
     Program inject_, look_, radiate_, light_gradient_, smooth_light_, probe_direct_,
         probe_indirect_;
     GpuLinks links_;
+    const LightDomains* domains_ = nullptr;
+    const GroupLinks* groups_ = nullptr;
+    std::vector<gpu::vec4> emitted_by_lobes_;   // empty where none emits
+    std::vector<gpu::vec4> radiance_by_lobes_;  // what groups_ gathered last
     std::optional<ConeGather> cones_;
     mutable std::optional<ConeGather> mirrored_;  // for show_to_cones, made when first asked for
     std::vector<std::uint32_t> walls_;            // [lobes] walls.h, once light was reflected

@@ -40,6 +40,22 @@ void measure_indirect_light(const LookupInput& input, std::span<const gpu::vec4>
     });
 }
 
+std::vector<gpu::LobeLight> light_at(const LookupInput& input,
+                                     std::span<const SurfacePlace> places) {
+    std::vector<gpu::LobeLight> lights(places.size());
+    gpu::for_each(input, places.size(), [&](gpu::LookupPass& pass, std::size_t i) {
+        const SurfacePlace& at = places[i];
+        const gpu::vec3 position(at.position.x, at.position.y, at.position.z);
+        const gpu::vec3 normal(at.normal.x, at.normal.y, at.normal.z);
+        lights[i] = pass.light_around(position, normal, 1.0f, true, pass.wall_beside(at.lobe));
+        if (lights[i].irradiance.w > 0.0f) return;
+        lights[i] = input.lobe_lights[at.lobe];
+        lights[i].irradiance =
+            gpu::vec4(pass.turned_irradiance(lights[i], pass.lobe_normal(at.lobe), normal), 0.0f);
+    });
+    return lights;
+}
+
 std::vector<gpu::LobeLight> smoothed(const LookupInput& input) {
     std::vector<gpu::LobeLight> lights(input.lobes.size());
     gpu::for_each(input, lights.size(), [&](gpu::LookupPass& pass, std::size_t i) {

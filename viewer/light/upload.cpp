@@ -86,6 +86,18 @@ std::uint64_t light_bytes(std::uint64_t nodes, std::uint64_t lobes, const LightS
     return nodes * of_node + lobes * of_lobe;
 }
 
+std::uint64_t grouped_light_bytes(std::uint64_t nodes, std::uint64_t lobes, std::uint64_t groups,
+                                  const LightSettings& settings) {
+    constexpr std::uint64_t kOfLobe = sizeof(Lobe) + sizeof(gpu::LobeLight) +
+                                      2 * sizeof(gpu::vec4) +     // direct, radiance
+                                      4 * sizeof(std::uint32_t);  // its wall; in LightGroups
+    constexpr std::uint64_t kHistory = 4 * (sizeof(float) + sizeof(gpu::vec4));  // anderson.h
+    const std::uint64_t of_group = 2 * sizeof(gpu::vec4) + kHistory + sizeof(Lobe) +
+                                   2 * sizeof(gpu::LobeLight) +
+                                   (settings.links + 1) * sizeof(std::uint32_t);  // and its wall
+    return nodes * sizeof(Node) + lobes * kOfLobe + groups * of_group;
+}
+
 GpuOctree upload(const Context& context, const OctreeView& octree, const LightSettings& settings) {
     check_binding(context, "nodes", octree.nodes.size_bytes());
     check_binding(context, "lobes", octree.lobes.size_bytes());

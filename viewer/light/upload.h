@@ -19,9 +19,13 @@ struct GpuOctree {
     gpu::LightGrid grid{};
 };
 
-/// Bytes on the GPU while the light of an octree of so many nodes and lobes settles: the octree, its
-/// links or cones, the light of its lobes, and what settling and smoothing keep meanwhile.
+/// Bytes on the GPU while the light of an octree of so many nodes and lobes settles: the octree,
+/// its links or cones, the light of its lobes, and what settling and smoothing keep meanwhile.
 std::uint64_t light_bytes(std::uint64_t nodes, std::uint64_t lobes, const LightSettings& settings);
+
+/// The same where reflected light is that of so many groups of lobes (group_light.h).
+std::uint64_t grouped_light_bytes(std::uint64_t nodes, std::uint64_t lobes, std::uint64_t groups,
+                                  const LightSettings& settings);
 
 /// Throws Error (kBudget) where a section is larger than one binding of `context` may show.
 GpuOctree upload(const Context& context, const OctreeView& octree, const LightSettings& settings);

@@ -112,7 +112,7 @@ class WallSearch {
             const Ahead here = ahead[--waiting];
             const Node& node = octree_.nodes[here.node];
             if (here.level == octree_.grid.depth) {
-                const std::uint32_t last = node.first + (node.mask >> 8 & 3u);
+                const std::uint32_t last = node.first + (node.mask >> 8 & 7u);
                 for (std::uint32_t i = node.first; i < last; ++i)
                     visit(i);
                 continue;

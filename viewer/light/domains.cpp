@@ -1,0 +1,259 @@
+#include "viewer/light/domains.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include "octree/extract.h"
+#include "octree/morton.h"
+#include "octree/trace.h"
+
+namespace glowworm {
+namespace {
+
+constexpr float kSameSide = 0.5f;           // cosine of 60 degrees, as where lobes are told apart
+constexpr float kUnseen = 2.0f;             // times as far
+constexpr std::uint32_t kRaysToSee = 1024;  // of a focus
+constexpr std::size_t kFociThatSee = 16;
+constexpr std::size_t kClasses = 7;  // axes a lobe may face along, and what emits
+
+struct FacingOneWay {
+    std::uint32_t which = 0;
+    float area = 0.0f;
+    Vec3f ndf;
+};
+
+Vec3f ndf_of(const Lobe& lobe) {
+    return {lobe.ndf[0], lobe.ndf[1], lobe.ndf[2]};
+}
+
+float area_of(const Lobe& lobe) {
+    return std::isfinite(lobe.area) ? std::max(lobe.area, 1e-12f) : 1e-12f;
+}
+
+std::size_t class_of(const Lobe& lobe) {
+    if (lobe.light != 0 || lobe.emission != 0) return kClasses - 1;
+    const Vec3f n = ndf_of(lobe);
+    const float x = std::abs(n.x), y = std::abs(n.y), z = std::abs(n.z);
+    if (x >= y && x >= z) return n.x < 0.0f ? 1 : 0;
+    if (y >= z) return n.y < 0.0f ? 3 : 2;
+    return n.z < 0.0f ? 5 : 4;
+}
+
+/// Which of a cell's groups each of its lobes belongs to, and how many there are: lobes by the axis
+/// they face along, joined where their mean normals lie within 60 degrees, the larger first.
+std::uint32_t group_cell(std::span<const Lobe> lobes, std::span<std::uint8_t> group_of) {
+    std::array<FacingOneWay, kClasses> classes;
+    for (std::uint32_t c = 0; c < kClasses; ++c)
+        classes[c].which = c;
+    for (const Lobe& lobe : lobes) {
+        FacingOneWay& of = classes[class_of(lobe)];
+        of.area += area_of(lobe);
+        of.ndf += ndf_of(lobe) * area_of(lobe);
+    }
+    std::ranges::stable_sort(classes, std::ranges::greater{}, &FacingOneWay::area);
+    std::array<Vec3f, kClasses> ndf;
+    std::array<bool, kClasses> emits{};
+    std::array<std::uint8_t, kClasses> group{};
+    std::uint32_t count = 0;
+    for (const FacingOneWay& of : classes) {
+        if (of.area <= 0.0f) break;
+        std::uint32_t g = 0;
+        const bool of_lamp = of.which == kClasses - 1;
+        while (g < count &&
+               (emits[g] || of_lamp || dot(normalized(ndf[g]), normalized(of.ndf)) <= kSameSide))
+            ++g;
+        if (g == count) {
+            ndf[count] = {};
+            emits[count++] = of_lamp;
+        }
+        ndf[g] += of.ndf;
+        group[of.which] = static_cast<std::uint8_t>(g);
+    }
+    for (std::size_t i = 0; i < lobes.size() && !group_of.empty(); ++i)
+        group_of[i] = group[class_of(lobes[i])];
+    return count;
+}
+
+}  // namespace
+
+std::uint32_t LightGroups::lobe_of(std::uint32_t group, std::uint32_t ray) const {
+    const std::uint32_t first = starts[group], last = starts[group + 1];
+    if (last - first == 1) return members[first];
+    constexpr std::uint32_t kGolden = 2654435769u;  // its multiples spread evenly, at every length
+    const float at = static_cast<float>(((ray + 1) * kGolden) >> 8) * (1.0f / 16777216.0f);
+    const auto begin = share.begin() + first, end = share.begin() + last;
+    const auto found = std::upper_bound(begin, end - 1, at);
+    return members[static_cast<std::size_t>(found - share.begin())];
+}
+
+LightDomains::LightDomains(const OctreeView& octree) : octree_(octree) {
+    if (octree.lobes.empty()) return;
+    const std::uint32_t depth = octree.grid.depth;
+    most_coarser_ = std::min(kMostCoarser, depth);
+    level_ = depth - most_coarser_;
+    const Level domains = octree.levels[level_];
+    edges_.resize(most_coarser_ + 1);
+    for (std::uint32_t c = 0; c <= most_coarser_; ++c) {
+        for (std::uint32_t d = 0; d < domains.node_count; ++d) {
+            std::uint32_t node = domains.first_node + d;
+            for (std::uint32_t level = level_; level < depth - c; ++level)
+                node = octree.nodes[node].first;
+            edges_[c].push_back(node);
+        }
+        const Level last = octree.levels[depth - c];
+        edges_[c].push_back(last.first_node + last.node_count);
+    }
+    for (const std::uint32_t node : edges_[0])
+        lobes_.push_back(first_lobe(depth, node));
+    for (const std::uint64_t code : codes_of_level(octree, level_))
+        low_.push_back(vec3_cast<float>(octree.grid.cell_min(morton_decode(code), level_)));
+    sizes_.assign(most_coarser_ + 1, std::vector<std::uint32_t>(domains.node_count));
+    tbb::parallel_for(std::uint32_t{0}, domains.node_count, [&](std::uint32_t d) {
+        sizes_[0][d] = lobes_[d + 1] - lobes_[d];
+        for (std::uint32_t c = 1; c <= most_coarser_; ++c) {
+            for (std::uint32_t node = edges_[c][d]; node < edges_[c][d + 1]; ++node) {
+                const std::uint32_t first = first_lobe(depth - c, node);
+                const std::uint32_t last = first_lobe(depth - c, node + 1);
+                sizes_[c][d] += group_cell(octree_.lobes.subspan(first, last - first), {});
+            }
+        }
+    });
+}
+
+/// Of a node, or of what follows the last of its level.
+std::uint32_t LightDomains::first_lobe(std::uint32_t level, std::uint32_t node) const {
+    const Level& here = octree_.levels[level];
+    if (node >= here.first_node + here.node_count)
+        return static_cast<std::uint32_t>(octree_.lobes.size());
+    for (; level < octree_.grid.depth; ++level)
+        node = octree_.nodes[node].first;
+    return octree_.nodes[node].first;
+}
+
+float LightDomains::edge() const {
+    return octree_.grid.cell_edge(level_);
+}
+
+std::uint64_t LightDomains::least_groups() const {
+    return sizes_.empty()
+               ? 0
+               : std::accumulate(sizes_.back().begin(), sizes_.back().end(), std::uint64_t{0});
+}
+
+std::vector<std::uint8_t> LightDomains::seen_from(std::span<const Focus> foci) const {
+    std::vector<std::uint8_t> seen(count(), 0);
+    const std::size_t looking = std::min(foci.size(), kFociThatSee);
+    std::vector<std::uint32_t> met(looking * kRaysToSee);
+    tbb::parallel_for(std::size_t{0}, met.size(), [&](std::size_t i) {
+        const auto k = static_cast<double>(i % kRaysToSee);
+        const double z = 1.0 - (2.0 * k + 1.0) / kRaysToSee;
+        const double turn = 2.0 * std::numbers::pi * std::numbers::phi * k;
+        const double r = std::sqrt(1.0 - z * z);
+        Ray ray;
+        ray.origin = foci[i / kRaysToSee].position;
+        ray.direction = vec3_cast<float>(Vec3d{r * std::cos(turn), r * std::sin(turn), z});
+        met[i] = trace_ray(octree_, {}, ray).lobe;
+    });
+    for (const std::uint32_t lobe : met) {
+        if (lobe >= octree_.lobes.size()) continue;
+        const auto after = std::upper_bound(lobes_.begin(), lobes_.end(), lobe);
+        seen[static_cast<std::size_t>(after - lobes_.begin()) - 1] = 1;
+    }
+    return seen;
+}
+
+std::vector<std::uint8_t> LightDomains::choose(std::span<const Focus> foci,
+                                               std::uint64_t most_groups) const {
+    const std::vector<std::uint8_t> seen = seen_from(foci);
+    std::vector<float> far(count(), foci.empty() ? 1.0f : 1e30f);
+    tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t d) {
+        for (const Focus& focus : foci) {
+            Vec3f off;
+            for (int a = 0; a < 3; ++a)
+                off[a] = std::max({low_[d][a] - focus.position[a],
+                                   focus.position[a] - low_[d][a] - edge(), 0.0f});
+            far[d] = std::min(far[d], length(off) * focus.remote);
+        }
+        far[d] *= seen[d] != 0 ? 1.0f : kUnseen;
+    });
+    const auto levels_within = [&](float radius) {
+        std::vector<std::uint8_t> coarser(count());
+        for (std::size_t d = 0; d < count(); ++d) {
+            const float doublings = std::log2(std::max(far[d], 1e-6f) / radius);
+            coarser[d] = static_cast<std::uint8_t>(std::clamp(
+                static_cast<int>(std::floor(doublings)) + 1, 0, static_cast<int>(most_coarser_)));
+        }
+        return coarser;
+    };
+    const auto groups_of = [&](const std::vector<std::uint8_t>& coarser) {
+        std::uint64_t sum = 0;
+        for (std::size_t d = 0; d < count(); ++d)
+            sum += sizes_[coarser[d]][d];
+        return sum;
+    };
+    if (octree_.lobes.size() <= most_groups) return std::vector<std::uint8_t>(count(), 0);
+    float low = 1e-3f * edge(), high = 4.0f * octree_.grid.cube_edge;
+    for (int halvings = 0; halvings < 40; ++halvings) {
+        const float radius = std::sqrt(low * high);
+        (groups_of(levels_within(radius)) <= most_groups ? low : high) = radius;
+    }
+    std::vector<std::uint8_t> chosen = levels_within(low);
+    if (groups_of(chosen) <= most_groups) return chosen;
+    return std::vector<std::uint8_t>(count(), static_cast<std::uint8_t>(most_coarser_));
+}
+
+LightGroups LightDomains::group(std::vector<std::uint8_t> coarser) const {
+    LightGroups groups;
+    groups.first_of_domain.push_back(0);
+    for (std::size_t d = 0; d < count(); ++d)
+        groups.first_of_domain.push_back(groups.first_of_domain.back() + sizes_[coarser[d]][d]);
+    groups.coarser = std::move(coarser);
+    const std::size_t lobes = octree_.lobes.size();
+    groups.starts.resize(groups.count() + std::size_t{1}, static_cast<std::uint32_t>(lobes));
+    groups.members.resize(lobes);
+    groups.group_of.resize(lobes);
+    groups.share.resize(lobes);
+    tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t d) {
+        const std::uint32_t c = groups.coarser[d], level = octree_.grid.depth - c;
+        std::uint32_t group = groups.first_of_domain[d];
+        if (c == 0) {
+            for (std::uint32_t lobe = lobes_[d]; lobe < lobes_[d + 1]; ++lobe) {
+                groups.starts[group] = groups.members[lobe] = lobe;
+                groups.group_of[lobe] = group++;
+                groups.share[lobe] = 1.0f;
+            }
+            return;
+        }
+        std::vector<std::uint8_t> group_of;
+        for (std::uint32_t node = edges_[c][d]; node < edges_[c][d + 1]; ++node) {
+            const std::uint32_t first = first_lobe(level, node), last = first_lobe(level, node + 1);
+            group_of.resize(last - first);
+            const std::uint32_t in_cell =
+                group_cell(octree_.lobes.subspan(first, last - first), group_of);
+            std::uint32_t place = first;
+            for (std::uint32_t g = 0; g < in_cell; ++g, ++group) {
+                const std::uint32_t start = groups.starts[group] = place;
+                float area = 0.0f;
+                for (std::uint32_t lobe = first; lobe < last; ++lobe) {
+                    if (group_of[lobe - first] != g) continue;
+                    area += area_of(octree_.lobes[lobe]);
+                    groups.members[place] = lobe;
+                    groups.group_of[lobe] = group;
+                    groups.share[place++] = area;
+                }
+                for (std::uint32_t m = start; m < place; ++m)
+                    groups.share[m] /= area;
+            }
+        }
+    });
+    groups.walls = walls_of(groups);
+    return groups;
+}
+
+}  // namespace glowworm
