@@ -147,19 +147,24 @@ TEST(ViewProgram, SimulatesLightOnCoarserLeavesButDrawsTheSamePoints) {
     EXPECT_NEAR(ratio, 1.0, 0.1);
 }
 
-TEST(ViewProgram, SimulatesLightAtTheDeepestLevelThatFitsItsMemory) {
+TEST(ViewProgram, SimulatesLightOnGroupsOfLobesAtTheDeepestLevelThatFitsItsMemory) {
     const Cave cave;
     const auto levels = [&](const char* memory) {
         return cave.view({"--camera", "lit", "--bounces", "1", "--light-memory", memory, "--json",
                           "-o", cave.path(std::string(memory) + ".exr")});
     };
-    const Ended all = levels("1G"), less = levels("1M"), none = levels("1k");
+    const Ended all = levels("1G"), groups = levels("1M"), less = levels("400k"),
+                none = levels("1k");
     ASSERT_EQ(all.code, 0) << all.err;
     EXPECT_EQ(nlohmann::json::parse(all.out)["light_depth"], 5);
+    EXPECT_FALSE(nlohmann::json::parse(all.out).contains("light_groups"));
     EXPECT_THAT(all.err, ::testing::Not(HasSubstr("--light-memory")));
+    ASSERT_EQ(groups.code, 0) << groups.err;
+    EXPECT_GT(nlohmann::json::parse(groups.out)["light_groups"], 0);
+    EXPECT_THAT(groups.err, HasSubstr("light is simulated on at most"));
     ASSERT_EQ(less.code, 0) << less.err;
     EXPECT_LT(nlohmann::json::parse(less.out)["light_depth"], 5);
-    EXPECT_THAT(less.err, HasSubstr("light is simulated at level"));
+    EXPECT_THAT(less.err, HasSubstr("light is simulated"));
     EXPECT_EQ(none.code, 6);
     EXPECT_THAT(none.err, HasSubstr("--light-memory"));
 }

@@ -17,6 +17,7 @@ namespace glowworm {
 namespace {
 
 constexpr float kSameSide = 0.5f;           // cosine of 60 degrees, as where lobes are told apart
+constexpr float kNear = 0.25f;              // domain edges: no domain lies nearer to a focus
 constexpr float kUnseen = 2.0f;             // times as far
 constexpr std::uint32_t kRaysToSee = 1024;  // of a focus
 constexpr std::size_t kFociThatSee = 16;
@@ -178,7 +179,7 @@ std::vector<std::uint8_t> LightDomains::choose(std::span<const Focus> foci,
             for (int a = 0; a < 3; ++a)
                 off[a] = std::max({low_[d][a] - focus.position[a],
                                    focus.position[a] - low_[d][a] - edge(), 0.0f});
-            far[d] = std::min(far[d], length(off) * focus.remote);
+            far[d] = std::min(far[d], std::max(length(off), kNear * edge()) * focus.remote);
         }
         far[d] *= seen[d] != 0 ? 1.0f : kUnseen;
     });
