@@ -21,7 +21,7 @@ std::uint64_t bytes_of(const OctreeView& octree, const LightSettings& light) {
 /// How many groups of so many lobes `memory` has room for; 0 where that is too few, or any.
 std::uint64_t groups_within(std::uint64_t nodes, std::uint64_t lobes, const LightSettings& light,
                             std::uint64_t memory) {
-    constexpr std::uint64_t kLobesPerGroup = 8;  // with fewer groups a coarser level is better
+    constexpr std::uint64_t kLobesPerGroup = 5;  // with fewer groups a coarser level is better
     if (light.gather != Gather::kLinks || light.faithful) return 0;
     const std::uint64_t without = grouped_light_bytes(nodes, lobes, 0, light);
     const std::uint64_t of_group = grouped_light_bytes(0, 0, 1, light);
