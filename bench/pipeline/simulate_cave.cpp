@@ -59,7 +59,10 @@ SimulatedCave near(const SimulatedCave& cave, const Eigen::Vector3d& place) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc < 2) return 2;
+    if (argc < 2 || argv[1][0] == '-') {
+        fmt::print(stderr, "usage: simulate_cave FOLDER [STATIONS] [POINTS]\n");
+        return 2;
+    }
     const std::filesystem::path folder = argv[1];
     const int stations = argc > 2 ? std::atoi(argv[2]) : 60;
     const std::size_t points = argc > 3 ? std::strtoul(argv[3], nullptr, 10) : 100'000;
