@@ -15,6 +15,9 @@ namespace glowworm {
 /// than the floats they came from.
 inline constexpr std::uint32_t kMaxChunkLevel = 15;
 
+/// Levels of a quantised position below its chunk's box.
+inline constexpr std::uint32_t kCodeLevels = 16;
+
 struct SurfelRange {
     std::uint64_t begin, end;
     std::uint64_t size() const { return end - begin; }
@@ -30,6 +33,10 @@ inline constexpr std::uint32_t kFinestNeededLevel = 12;
 /// The level of the largest box that is fine enough for surfels: 0..kFinestNeededLevel. `codes`: at
 /// level 21, ascending. That of neighbouring cells together is the deeper one of theirs.
 std::uint32_t needed_box_level(std::span<const CodeIndex> codes);
+
+/// Level of the smallest cell that may be the box of surfels whose codes, at level 21, go from
+/// `first` to `last`.
+std::uint32_t box_level_of(std::uint64_t first, std::uint64_t last);
 
 /// Cuts surfels in Morton order into chunks of at most kMaxChunkSurfels whose boxes are as small as
 /// they need to be. A cell that holds more is split; of its children, neighbours in Morton order
