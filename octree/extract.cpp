@@ -26,7 +26,7 @@ void cut_lobes(const OctreeView& octree, const Box& box, Octree& out) {
         const Node leaf = octree.nodes[first + i];
         std::uint8_t count = 0;
         for (const Lobe& lobe : octree.lobes.subspan(leaf.first, leaf.mask >> 8)) {
-            if (!box.holds({lobe.position[0], lobe.position[1], lobe.position[2]})) continue;
+            if (!box.holds(to_vec3(lobe.position))) continue;
             out.lobes.push_back(lobe);
             ++count;
         }
@@ -96,7 +96,7 @@ std::vector<Voxel> extract_level(const OctreeView& octree, std::uint32_t level) 
         voxels.push_back({vec3_cast<float>(corner + Vec3d{half, half, half}),
                           a.opacity,
                           a.area,
-                          {a.ndf[0], a.ndf[1], a.ndf[2]},
+                          to_vec3(a.ndf),
                           {a.albedo[0], a.albedo[1], a.albedo[2]}});
     }
     return voxels;

@@ -37,10 +37,6 @@ float unit_fraction(std::uint32_t fixed) {
     return static_cast<float>(fixed >> 8u) * (1.0f / 16777216.0f);
 }
 
-Vec3f normal_of(const Lobe& lobe) {
-    return normalized(Vec3f{lobe.ndf[0], lobe.ndf[1], lobe.ndf[2]});
-}
-
 /// What the directions of a lobe's rays have in common.
 struct RaysOfLobe {
     std::uint32_t seed, other_seed;
@@ -83,7 +79,7 @@ class Batch {
     void add(const OctreeView& octree, std::uint32_t lobe, std::uint32_t ray, std::size_t place) {
         if (rays_.empty() || lobe != lobe_) {
             lobe_ = lobe;
-            of_lobe_ = RaysOfLobe(lobe, normal_of(octree.lobes[lobe]));
+            of_lobe_ = RaysOfLobe(lobe, normalized(to_vec3(octree.lobes[lobe].ndf)));
             from_ = ray_from_lobe(octree, octree.lobes[lobe], {});
         }
         from_.direction = of_lobe_.direction(ray);

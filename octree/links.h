@@ -19,6 +19,10 @@ struct LinkSettings {
     TraceSettings trace = {};
 };
 
+/// Rays of a lobe that are traced before the others where light is shown meanwhile: a gather by so
+/// many takes less time than one by six cones, and comes nearer.
+inline constexpr std::uint32_t kPreviewRays = 16;
+
 /// The direction of a lobe's ray number `ray`: a point of the R2 sequence (Roberts 2018), shifted
 /// by a hash of the lobe (Cranley-Patterson) and mapped to the cosine round `normal`. In fixed
 /// point, so that it is the same on every machine. `normal` is unit.

@@ -219,9 +219,9 @@ RayTracer::RayTracer(const OctreeView& octree, const TraceSettings& settings)
         const Lobe& lobe = octree.lobes[i];
         const float margin = settings.patch_margin * lobe.spacing;
         Patch patch;
-        patch.position = {lobe.position[0], lobe.position[1], lobe.position[2]};
+        patch.position = to_vec3(lobe.position);
         patch.lobe = i;
-        patch.ndf = {lobe.ndf[0], lobe.ndf[1], lobe.ndf[2]};
+        patch.ndf = to_vec3(lobe.ndf);
         patch.light = lobe.light;
         patch.low = corner(lobe.patch_min) - Vec3f{margin, margin, margin};
         patch.high = corner(lobe.patch_max) + Vec3f{margin, margin, margin};

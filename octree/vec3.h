@@ -70,6 +70,12 @@ bool is_finite(const Vec3<T>& a) {
     return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 
+/// As vectors lie in the file.
+template <typename T>
+constexpr Vec3<T> to_vec3(const T (&a)[3]) {
+    return {a[0], a[1], a[2]};
+}
+
 template <typename To, typename From>
 constexpr Vec3<To> vec3_cast(const Vec3<From>& a) {
     return {static_cast<To>(a.x), static_cast<To>(a.y), static_cast<To>(a.z)};

@@ -4,7 +4,7 @@
 #include "trace.glsl"
 
 #ifndef AREA_SAMPLES
-#define AREA_SAMPLES 6   // per side of an area light's rectangle
+#define AREA_SAMPLES AREA_SAMPLES_OF_SURFACE   // per side of an area light's rectangle
 #endif
 #ifndef AREA_PHASE
 #define AREA_PHASE 0.5f   // where in its cell of the rectangle a sample lies, 0..1 along both edges

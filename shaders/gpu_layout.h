@@ -80,6 +80,12 @@ struct LobeLight {
 // So many lamps have their bits in one word (lamp_looks.glsl).
 #define LAMPS_IN_GROUP 32u
 
+// Samples along each side of an area light's rectangle: of a lobe or a pixel, and of a probe.
+#define AREA_SAMPLES_OF_SURFACE 6
+#define AREA_SAMPLES_OF_PROBE 16
+// Rows of them that a dispatch sums up (direct_light.glsl says why not all).
+#define AREA_ROWS_AT_ONCE 2
+
 // One light. Fields that a kind does not use are zero.
 #define LIGHT_POINT 0u
 #define LIGHT_SPOT 1u

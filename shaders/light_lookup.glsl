@@ -6,6 +6,7 @@
 // apart. What a lobe has is turned to the point's normal first: rock's irradiance changes more with
 // the normal than with the place.
 #include "octree.glsl"
+#include "wall.glsl"
 
 #ifndef __cplusplus
 layout(std430, binding = BINDING_LIGHT) readonly buffer LobeLights { LobeLight lobe_lights[]; };
@@ -39,24 +40,13 @@ float plane_weight(float height) {
     return exp(-4.0f * min(h * h, 16.0f));
 }
 
-// Leaf edges: how far behind a wall another room begins, and how far from the middle of a wall's lobe
-// the wall goes on.
-CONSTANT float kBehindWall = 0.35f;
-CONSTANT float kWallReach = 2.0f;
 CONSTANT float kThroughWall = 1e-5f;   // of the weight that a lobe in another room would have
 
 // Whether `wall` (1 + a lobe, 0 for none), which rises beside the surface point `here`, stands between
 // it and `there`.
 bool wall_between(uint wall, vec3 here, vec3 there) {
-    if (wall == 0u) return false;
-    vec3 normal = lobe_normal(wall - 1u);
-    vec3 middle = lobe_position(wall - 1u);
-    float behind = dot(normal, middle - there);
-    if (behind < kBehindWall * grid.voxel_size) return false;
-    float front = max(dot(normal, here - middle), 0.0f);
-    vec3 aside = mix(here, there, front / (front + behind)) - middle;
-    float reach = kWallReach * grid.voxel_size;
-    return dot(aside, aside) < reach * reach;
+    return wall != 0u && stands_between(lobe_normal(wall - 1u), lobe_position(wall - 1u),
+                                        grid.voxel_size, here, there);
 }
 
 // The wall beside lobe i (viewer/light/walls.h).

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // The light meter at surface points: the part of direct irradiance that comes from one light's rows
 // of samples, added to what is there.
-#define AREA_SAMPLES 16
+#define AREA_SAMPLES AREA_SAMPLES_OF_PROBE
 #include "direct_light.glsl"
 
 layout(local_size_x = 64) in;

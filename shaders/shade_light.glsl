@@ -4,7 +4,7 @@
 #include "shade_pixel.glsl"
 
 // A pixel's sub-pixels share its samples of an area light: each takes others of the same grid.
-#define AREA_SAMPLES ((6 + sub_pixels - 1) / sub_pixels)
+#define AREA_SAMPLES ((AREA_SAMPLES_OF_SURFACE + sub_pixels - 1) / sub_pixels)
 #define AREA_PHASE area_phase
 vec2 area_phase = vec2(0.5f);
 #define IN_FULL_VIEW in_full_view

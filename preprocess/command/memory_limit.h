@@ -12,8 +12,8 @@ std::uint64_t parse_size(const std::string& text);
 
 /// Asks the system to refuse memory beyond `bytes`, so that a prediction that was wrong ends in
 /// std::bad_alloc and not in a peak above the limit. Some of the limit stands for the program
-/// itself and for the stacks of `threads` threads. 0 bytes: nothing is asked. Throws Error (kBudget)
-/// for less than the program takes before any work.
+/// itself and for the stacks of `threads` threads. 0 bytes: nothing is asked. Throws Error
+/// (kBudget) for less than the program takes before any work.
 void limit_memory(std::uint64_t bytes, int threads);
 
 /// The same where large blocks are paged (paged_memory.h): a quarter of the limit is left to their

@@ -6,12 +6,6 @@
 #include "octree/error.h"
 
 namespace glowworm {
-namespace {
-
-// A gather by 16 rays takes less time than one by six cones, and comes nearer.
-constexpr std::uint32_t kFirstRays = 16;
-
-}  // namespace
 
 LinkWorker::LinkWorker(const OctreeView& octree, const LinkSettings& settings)
     : settings_(settings) {
@@ -35,7 +29,7 @@ void LinkWorker::trace(const OctreeView& octree) {
     std::vector<std::uint32_t> rows(octree.lobes.size());
     std::iota(rows.begin(), rows.end(), 0u);
     links_.resize(rows.size() * settings_.rays);
-    LinkRays rays{rows, 0, std::min(kFirstRays, settings_.rays), settings_.rays, {}};
+    LinkRays rays{rows, 0, std::min(kPreviewRays, settings_.rays), settings_.rays, {}};
     while (rays.first < settings_.rays) {
         tracer.trace(rays, links_, [&](std::uint64_t done, std::uint64_t total) {
             if (cancelled_) throw Error(ExitCode::kCancelled, "cancelled");

@@ -44,7 +44,7 @@ struct WindowState {
     float exposure = 0.0f;  ///< stops
     ToneCurve curve = ToneCurve::kAgx;
     Layer layer = Layer::kPicture;
-    int level = 0;   ///< of the octree's `levels` that a layer of it shows
+    int level = 0;  ///< of the octree's `levels` that a layer of it shows
     int levels = 1;
     float wetness = 0.0f;
     float pixels_between_points = 0.7f;

@@ -17,9 +17,7 @@ std::size_t corners_of(int pixels) {
     return static_cast<std::size_t>(pixels / SHADE_TILE + 2);
 }
 
-constexpr std::int32_t kLookRow = -1;    // shade_light.comp: how much of an area light is seen
-constexpr std::int32_t kAreaRows = 6;    // of samples on an area light, in a pixel
-constexpr std::int32_t kRowsAtOnce = 2;  // direct_light.glsl says why not all
+constexpr std::int32_t kLookRow = -1;  // shade_light.comp: how much of an area light is seen
 
 }  // namespace
 
@@ -98,7 +96,7 @@ void Shading::draw_by_shaders(const GBuffer& gbuffer, const LightField& light, c
 
     set_uniform(passes.light, 3, static_cast<std::int32_t>(sub_pixels));
     set_uniform(passes.light, 4, wetness);
-    const std::int32_t rows = (kAreaRows + sub_pixels - 1) / sub_pixels;
+    const std::int32_t rows = (AREA_SAMPLES_OF_SURFACE + sub_pixels - 1) / sub_pixels;
     for (std::uint32_t i = 0; i < light.lights().size(); ++i) {
         if (i > 0 && i % LAMPS_IN_GROUP == 0 && looks.bytes() > 0)
             look_up_lamps(i / LAMPS_IN_GROUP);
@@ -108,9 +106,9 @@ void Shading::draw_by_shaders(const GBuffer& gbuffer, const LightField& light, c
             set_uniform(passes.light, 1, kLookRow);
             run(passes.light);
         }
-        for (std::int32_t row = 0; row < (area ? rows : 1); row += kRowsAtOnce) {
+        for (std::int32_t row = 0; row < (area ? rows : 1); row += AREA_ROWS_AT_ONCE) {
             set_uniform(passes.light, 1, row);
-            set_uniform(passes.light, 2, std::min(row + kRowsAtOnce, rows));
+            set_uniform(passes.light, 2, std::min(row + AREA_ROWS_AT_ONCE, rows));
             run(passes.light);
         }
     }

@@ -26,7 +26,8 @@ struct View {
     double centre_x = 0.0;  ///< pixels: where the view axis meets the picture
     double centre_y = 0.0;
     int width = 0, height = 0;  ///< pixels
-    std::optional<WorldBox> clip;    ///< only what lies within is drawn; light comes from all the cave
+    std::optional<WorldBox>
+        clip;  ///< only what lies within is drawn; light comes from all the cave
 };
 
 struct PixelPoint {

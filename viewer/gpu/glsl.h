@@ -31,6 +31,7 @@
 #include <span>
 
 #include "octree/node_layout.h"
+#include "octree/vec3.h"
 #include "shaders/frame_layout.h"
 #include "shaders/gpu_layout.h"
 
@@ -82,6 +83,10 @@ using glm::unpackSnorm2x16;
 #pragma GCC diagnostic ignored "-Wshadow"  // of a pass's members by a topic's arguments
 
 /// std::popcount is a call where the processor is any x86-64.
+inline vec3 vec3_of(const Vec3f& v) {
+    return {v.x, v.y, v.z};
+}
+
 inline int bitCount(uint bits) {
     bits -= (bits >> 1) & 0x55555555u;
     bits = (bits & 0x33333333u) + ((bits >> 2) & 0x33333333u);

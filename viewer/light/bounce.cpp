@@ -6,15 +6,13 @@
 #include <algorithm>
 #include <numbers>
 
-#include "octree/links.h"
-#include "viewer/gpu/vec4.h"
+#include "viewer/light/irradiance_turn.h"
 
 namespace glowworm {
 
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kLeastCosine = 0.1f;  // light_gradient.comp
 constexpr std::size_t kLobesPerTask = 512;
 
 template <typename Visit>
@@ -26,13 +24,12 @@ void for_each_lobe(std::size_t lobes, const Visit& visit) {
                       });
 }
 
-/// Of a row's rays, those that are not buried; at least 1.
+}  // namespace
+
 float open_rays(std::span<const std::uint32_t> row) {
     const auto buried = std::ranges::count(row, kBuried);
     return static_cast<float>(std::max<std::ptrdiff_t>(std::ssize(row) - buried, 1));
 }
-
-}  // namespace
 
 std::vector<gpu::vec4> bounce_along(const LinkRows& rows, std::span<const gpu::vec4> radiance) {
     // What meets nothing reads the black one at the end, without a branch.
@@ -63,27 +60,14 @@ std::vector<gpu::LobeLight> light_gradients(const LinkRows& rows, std::span<cons
     std::vector<gpu::LobeLight> lights(lobes.size());
     for_each_lobe(lobes.size(), [&](std::size_t lobe) {
         const auto row = rows.of(lobe);
-        const float(&ndf)[3] = lobes[lobe].ndf;
-        const Vec3f normal = normalized(Vec3f{ndf[0], ndf[1], ndf[2]});
-        Vec3f turn[3];  // per channel
+        const Vec3f normal = normalized(to_vec3(lobes[lobe].ndf));
+        IrradianceTurn turn;
         for (std::uint32_t ray = 0; ray < rows.rays; ++ray) {
-            if (row[ray] >= radiance.size()) continue;
-            const Vec3f direction = link_direction(static_cast<std::uint32_t>(lobe), ray, normal);
-            const float cosine = dot(direction, normal);
-            const Vec3f along = (direction - cosine * normal) / std::max(cosine, kLeastCosine);
-            const Vec3f from = to_vec3(radiance[row[ray]]);
-            for (int c = 0; c < 3; ++c)
-                turn[c] += along * from[c];
+            if (row[ray] < radiance.size())
+                turn.add(static_cast<std::uint32_t>(lobe), ray, normal, radiance[row[ray]]);
         }
-        const float scale = kPi / open_rays(row);
-        const Vec3f here = to_vec3(radiance[lobe]);
-        gpu::LobeLight& light = lights[lobe];
-        light.irradiance = {irradiance[lobe].x, irradiance[lobe].y, irradiance[lobe].z,
-                            static_cast<float>(walls[lobe])};
-        for (int c = 0; c < 3; ++c) {
-            const Vec3f scaled = turn[c] * scale;
-            light.turn[c] = {scaled.x, scaled.y, scaled.z, kPi * here[c]};
-        }
+        lights[lobe] =
+            turn.light(irradiance[lobe], walls[lobe], open_rays(row), to_vec3(radiance[lobe]));
     });
     return lights;
 }

@@ -12,8 +12,7 @@ namespace glowworm {
 namespace gpu {
 namespace {
 
-constexpr int kSamplesOfLobe = 6, kSamplesOfProbe = 16;  // AREA_SAMPLES of the passes
-constexpr std::size_t kRaysAtOnce = 1 << 11;             // they and what they hit fit a cache
+constexpr std::size_t kRaysAtOnce = 1 << 11;  // they and what they hit fit a cache
 
 /// Works a formula out twice: the first time shadow rays are only asked for, then they are traced
 /// together, and the second time they are answered. That costs little beside tracing.
@@ -23,7 +22,7 @@ struct DirectPass {
     std::span<const Light> lights;
     LightGrid grid;
     const RayTracer* tracer = nullptr;
-    int area_samples = kSamplesOfLobe;
+    int area_samples = AREA_SAMPLES_OF_SURFACE;
 
     std::vector<ShadowRay> rays = {};
     std::vector<std::uint8_t> seen = {};
@@ -100,7 +99,7 @@ void measure_direct_light(const DirectLightInput& input, std::span<const vec4> p
                                    .lights = input.lights,
                                    .grid = input.grid,
                                    .tracer = &input.tracer,
-                                   .area_samples = gpu::kSamplesOfProbe};
+                                   .area_samples = AREA_SAMPLES_OF_PROBE};
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, places.size() / 2, 64), [&](const auto& range) {
             gpu::DirectPass pass = prepared;

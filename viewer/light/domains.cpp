@@ -29,17 +29,13 @@ struct FacingOneWay {
     Vec3f ndf;
 };
 
-Vec3f ndf_of(const Lobe& lobe) {
-    return {lobe.ndf[0], lobe.ndf[1], lobe.ndf[2]};
-}
-
 float area_of(const Lobe& lobe) {
     return std::isfinite(lobe.area) ? std::max(lobe.area, 1e-12f) : 1e-12f;
 }
 
 std::size_t class_of(const Lobe& lobe) {
     if (lobe.light != 0 || lobe.emission != 0) return kClasses - 1;
-    const Vec3f n = ndf_of(lobe);
+    const Vec3f n = to_vec3(lobe.ndf);
     const float x = std::abs(n.x), y = std::abs(n.y), z = std::abs(n.z);
     if (x >= y && x >= z) return n.x < 0.0f ? 1 : 0;
     if (y >= z) return n.y < 0.0f ? 3 : 2;
@@ -55,7 +51,7 @@ std::uint32_t group_cell(std::span<const Lobe> lobes, std::span<std::uint8_t> gr
     for (const Lobe& lobe : lobes) {
         FacingOneWay& of = classes[class_of(lobe)];
         of.area += area_of(lobe);
-        of.ndf += ndf_of(lobe) * area_of(lobe);
+        of.ndf += to_vec3(lobe.ndf) * area_of(lobe);
     }
     std::ranges::stable_sort(classes, std::ranges::greater{}, &FacingOneWay::area);
     std::array<Vec3f, kClasses> ndf;

@@ -7,38 +7,27 @@
 #include <numbers>
 #include <utility>
 
-#include "octree/links.h"
-#include "viewer/gpu/vec4.h"
+#include "viewer/gpu/glsl.h"
+#include "viewer/light/irradiance_turn.h"
 #include "viewer/light/lookup.h"
 
 namespace glowworm {
+namespace gpu {
+namespace {
+
+struct RadiatePass {
+    std::span<const Lobe> lobes;
+    LightGrid grid;
+
+#include "shaders/radiate.glsl"
+};
+
+}  // namespace
+}  // namespace gpu
+
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kMostAlbedo = 0.99f;  // octree.glsl
-
-template <typename Visit>
-void for_each(std::size_t count, const Visit& visit) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 512), [&](const auto& range) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i)
-            visit(i);
-    });
-}
-
-Vec3f vector_of(const float (&v)[3]) {
-    return {v[0], v[1], v[2]};
-}
-
-/// lobe_reflectance() of octree.glsl.
-Vec3f reflectance_of(const Lobe& lobe) {
-    const float opening = std::min(length(vector_of(lobe.ndf)), 1.0f);
-    Vec3f reflected;
-    for (int c = 0; c < 3; ++c) {
-        const float albedo = std::clamp(lobe.albedo[c], 0.0f, kMostAlbedo);
-        reflected[c] = albedo * opening / (1.0f - albedo * (1.0f - opening));
-    }
-    return reflected;
-}
 
 /// Which groups need new links; the others get their old ones.
 std::vector<std::uint32_t> keep_links(const GroupLinks& before, GroupLinks& now) {
@@ -71,7 +60,7 @@ GroupLinks link_groups(const OctreeView& octree, LightGroups groups, const Light
     const auto changed = keep_links(before != nullptr ? *before : none, now);
     if (changed.empty()) return now;
     if (octree.links_per_lobe >= now.rays && !octree.links.empty()) {
-        for_each(changed.size(), [&](std::size_t i) {
+        tbb::parallel_for(std::size_t{0}, changed.size(), [&](std::size_t i) {
             const std::uint32_t g = changed[i];
             for (std::uint32_t ray = 0; ray < now.rays; ++ray) {
                 const std::size_t lobe = now.groups.lobe_of(g, ray);
@@ -92,48 +81,35 @@ GroupLinks link_groups(const OctreeView& octree, LightGroups groups, const Light
 void radiate(std::span<const Lobe> lobes, std::span<const gpu::vec4> emitted,
              std::span<const gpu::vec4> direct, std::span<const std::uint32_t> group_of,
              std::span<const gpu::vec4> indirect, std::span<gpu::vec4> radiance) {
-    for_each(lobes.size(), [&](std::size_t i) {
-        const Vec3f arriving = to_vec3(direct[i]) + to_vec3(indirect[group_of[i]]);
-        const Vec3f reflected = reflectance_of(lobes[i]);
-        const Vec3f own = emitted.empty() ? Vec3f{} : to_vec3(emitted[i]);
-        radiance[i] = {own.x + reflected.x / kPi * arriving.x,
-                       own.y + reflected.y / kPi * arriving.y,
-                       own.z + reflected.z / kPi * arriving.z, 0.0f};
-    });
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, lobes.size(), 512), [&](const auto& range) {
+            gpu::RadiatePass pass{lobes, {}};
+            for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                const gpu::vec3 own(emitted.empty() ? gpu::vec4(0.0f) : emitted[i]);
+                const gpu::vec3 arriving(direct[i] + indirect[group_of[i]]);
+                const auto lobe = static_cast<gpu::uint>(i);
+                radiance[i] = gpu::vec4(pass.lobe_radiance(lobe, own, arriving), 0.0f);
+            }
+        });
 }
 
 std::vector<gpu::LobeLight> group_gradients(const GroupLinks& links, std::span<const Lobe> lobes,
                                             std::span<const gpu::vec4> radiance,
                                             std::span<const gpu::vec4> irradiance) {
-    constexpr float kLeastCosine = 0.1f;  // light_gradient.comp
     const LinkRows rows = links.rows();
     std::vector<gpu::LobeLight> lights(irradiance.size());
-    for_each(lights.size(), [&](std::size_t g) {
+    tbb::parallel_for(std::size_t{0}, lights.size(), [&](std::size_t g) {
         const auto row = rows.of(g);
-        Vec3f turn[3];
+        IrradianceTurn turn;
         Vec3f around;
-        float open = 0.0f;
         for (std::uint32_t ray = 0; ray < rows.rays; ++ray) {
             const std::uint32_t lobe = links.groups.lobe_of(static_cast<std::uint32_t>(g), ray);
             around += to_vec3(radiance[lobe]);
-            if (row[ray] != kBuried) open += 1.0f;
-            if (row[ray] >= radiance.size()) continue;
-            const Vec3f normal = normalized(vector_of(lobes[lobe].ndf));
-            const Vec3f direction = link_direction(lobe, ray, normal);
-            const float cosine = dot(direction, normal);
-            const Vec3f along = (direction - cosine * normal) / std::max(cosine, kLeastCosine);
-            const Vec3f from = to_vec3(radiance[row[ray]]);
-            for (int c = 0; c < 3; ++c)
-                turn[c] += along * from[c];
+            if (row[ray] < radiance.size())
+                turn.add(lobe, ray, normalized(to_vec3(lobes[lobe].ndf)), radiance[row[ray]]);
         }
-        gpu::LobeLight& light = lights[g];
-        light.irradiance = {irradiance[g].x, irradiance[g].y, irradiance[g].z,
-                            static_cast<float>(links.groups.walls[g])};
-        for (int c = 0; c < 3; ++c) {
-            const Vec3f scaled = turn[c] * (kPi / std::max(open, 1.0f));
-            light.turn[c] = {scaled.x, scaled.y, scaled.z,
-                             kPi * around[c] / static_cast<float>(rows.rays)};
-        }
+        lights[g] = turn.light(irradiance[g], links.groups.walls[g], open_rays(row),
+                               around / static_cast<float>(rows.rays));
     });
     return lights;
 }
@@ -166,13 +142,13 @@ std::vector<gpu::LobeLight> spread_to_lobes(const OctreeView& octree, const Ligh
     if (smooth) there = smoothed({tree.nodes, tree.lobes, there, tree_grid});
     if (coarser == 0) return there;
     std::vector<SurfacePlace> places(lobes.size());
-    for_each(lobes.size(), [&](std::size_t i) {
+    tbb::parallel_for(std::size_t{0}, lobes.size(), [&](std::size_t i) {
         const Lobe& lobe = octree.lobes[lobes[i]];
-        places[i] = {vector_of(lobe.position), normalized(vector_of(lobe.ndf)), place[i]};
+        places[i] = {to_vec3(lobe.position), normalized(to_vec3(lobe.ndf)), place[i]};
     });
     std::vector<gpu::LobeLight> spread =
         light_at({tree.nodes, tree.lobes, there, tree_grid}, places);
-    for_each(lobes.size(), [&](std::size_t i) {
+    tbb::parallel_for(std::size_t{0}, lobes.size(), [&](std::size_t i) {
         const gpu::vec4& own = radiance[lobes[i]];
         spread[i].turn[0].w = kPi * own.x;
         spread[i].turn[1].w = kPi * own.y;
@@ -184,7 +160,7 @@ std::vector<gpu::LobeLight> spread_to_lobes(const OctreeView& octree, const Ligh
 std::vector<gpu::vec4> regrouped(const LightGroups& groups, const LightGroups* before,
                                  std::span<const gpu::vec4> light) {
     std::vector<gpu::vec4> now(groups.count());
-    for_each(now.size(), [&](std::size_t g) {
+    tbb::parallel_for(std::size_t{0}, now.size(), [&](std::size_t g) {
         float until = 0.0f;
         for (std::uint32_t m = groups.starts[g]; m < groups.starts[g + 1]; ++m) {
             const float weight = groups.share[m] - std::exchange(until, groups.share[m]);

@@ -14,10 +14,7 @@ namespace {
 constexpr std::size_t kGroup = 64;
 constexpr std::size_t kLobesAtOnce = 1 << 16;  // a dispatch stays short enough for a display's GPU
 constexpr int kLeastBounces = 2;
-constexpr std::uint32_t kFirstRays = 16;  // of a lobe, traced before the first bounce of a preview
-constexpr double kFarthest = 1e7;         // m
-constexpr std::int32_t kProbeRows = 16;   // AREA_SAMPLES of probe_direct.comp
-constexpr std::int32_t kRowsAtOnce = 2;   // direct_light.glsl says why not all
+constexpr double kFarthest = 1e7;  // m
 
 /// Of each probe, its direct and its indirect irradiance.
 std::vector<ProbeResult> probe_results(std::span<const gpu::vec4> measured) {
@@ -202,7 +199,7 @@ void LightField::prepare(const Progress& progress) {
 bool LightField::prepare_more() {
     if (octree_.lobes.empty()) return false;
     if (links_.empty() && !cones_) {
-        prepare_rays(kFirstRays, {});
+        prepare_rays(kPreviewRays, {});
         return true;
     }
     bind();
@@ -395,9 +392,9 @@ std::vector<ProbeResult> LightField::measure(std::span<const Probe> probes) cons
     set_uniform(probe_direct_, 0, count);
     for (std::uint32_t light = 0; light < gpu_octree_.grid.light_count; ++light) {
         set_uniform(probe_direct_, 1, light);
-        for (std::int32_t row = 0; row < kProbeRows; row += kRowsAtOnce) {
+        for (std::int32_t row = 0; row < AREA_SAMPLES_OF_PROBE; row += AREA_ROWS_AT_ONCE) {
             set_uniform(probe_direct_, 2, row);
-            set_uniform(probe_direct_, 3, row + kRowsAtOnce);
+            set_uniform(probe_direct_, 3, row + AREA_ROWS_AT_ONCE);
             probe_direct_.dispatch(count, kGroup);
         }
     }

@@ -45,8 +45,7 @@ std::vector<gpu::LobeLight> light_at(const LookupInput& input,
     std::vector<gpu::LobeLight> lights(places.size());
     gpu::for_each(input, places.size(), [&](gpu::LookupPass& pass, std::size_t i) {
         const SurfacePlace& at = places[i];
-        const gpu::vec3 position(at.position.x, at.position.y, at.position.z);
-        const gpu::vec3 normal(at.normal.x, at.normal.y, at.normal.z);
+        const gpu::vec3 position = gpu::vec3_of(at.position), normal = gpu::vec3_of(at.normal);
         lights[i] = pass.light_around(position, normal, 1.0f, true, pass.wall_beside(at.lobe));
         if (lights[i].irradiance.w > 0.0f) return;
         lights[i] = input.lobe_lights[at.lobe];

@@ -171,7 +171,7 @@ std::vector<gpu::vec4> emitted_radiance(const Scene& scene, const OctreeView& oc
             continue;
         }
         if (lobe.emission == 0) continue;
-        const Vec3f position{lobe.position[0], lobe.position[1], lobe.position[2]};
+        const Vec3f position = to_vec3(lobe.position);
         const bool of_scene = std::ranges::any_of(scene.area_lights, [&](const AreaLight& light) {
             return lies_on(light, octree, position, near);
         });

@@ -8,19 +8,25 @@
 #include <cmath>
 #include <compare>
 
+#include "viewer/gpu/glsl.h"
+
 namespace glowworm {
+namespace gpu {
+namespace {
+
+#include "shaders/wall.glsl"
+
+}  // namespace
+}  // namespace gpu
 
 namespace {
 
 constexpr float kReach = 3.0f;   // leaf edges from a lobe to the plane of its wall
 constexpr float kBeside = 1.0f;  // leaf edges from its foot there to the middle of the wall's lobe
 constexpr float kInFront = -0.2f;  // leaf edges over its plane: at a wall's foot means lie under it
-constexpr float kRises = 0.5f;  // cosine of 60 degrees, as where lobes are told apart
-constexpr float kMixed = 4.0f;  // leaf edges: lobes that smoothing mixes
-constexpr float kLevel = 1.5f;  // leaf edges off the lobe's plane: so do those
-// light_lookup.glsl
-constexpr float kBehindWall = 0.35f;
-constexpr float kWallReach = 2.0f;
+constexpr float kRises = 0.5f;     // cosine of 60 degrees, as where lobes are told apart
+constexpr float kMixed = 4.0f;     // leaf edges: lobes that smoothing mixes
+constexpr float kLevel = 1.5f;     // leaf edges off the lobe's plane: so do those
 
 /// A lobe as a piece of plane.
 struct Plane {
@@ -32,8 +38,7 @@ class WallSearch {
     explicit WallSearch(const OctreeView& octree) : octree_(octree) {
         planes_.reserve(octree.lobes.size());
         for (const Lobe& lobe : octree.lobes) {
-            planes_.push_back({{lobe.position[0], lobe.position[1], lobe.position[2]},
-                               normalized(Vec3f{lobe.ndf[0], lobe.ndf[1], lobe.ndf[2]})});
+            planes_.push_back({to_vec3(lobe.position), normalized(to_vec3(lobe.ndf))});
         }
     }
 
@@ -78,15 +83,10 @@ class WallSearch {
         auto operator<=>(const Wall&) const = default;
     };
 
-    /// wall_between() of light_lookup.glsl.
     bool is_between(const Plane& wall, const Vec3f& here, const Vec3f& there) const {
-        const float edge = octree_.grid.voxel_size();
-        const float behind = dot(wall.normal, wall.position - there);
-        if (!(behind >= kBehindWall * edge)) return false;
-        const float front = dot(wall.normal, here - wall.position);
-        const Vec3f crossing = here + (there - here) * (front / (front + behind));
-        const Vec3f aside = crossing - wall.position;
-        return dot(aside, aside) < kWallReach * kWallReach * edge * edge;
+        using gpu::vec3_of;
+        return gpu::stands_between(vec3_of(wall.normal), vec3_of(wall.position),
+                                   octree_.grid.voxel_size(), vec3_of(here), vec3_of(there));
     }
 
     struct Ahead {
