@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "camera_at.h"
 #include "testing.h"
 #include "viewer/app/measure.h"
 #include "viewer/app/photometry.h"
@@ -103,13 +104,7 @@ TEST(Photometry, IntegratesASpotAsItsFalloffSays) {
 }
 
 TEST(Pick, FindsWhereTheCursorsRayMeetsTheWallWhateverPixelItIsIn) {
-    Camera camera;
-    camera.position = {1, 2, 3};
-    camera.look_at = {1, 7, 3};
-    camera.vfov_deg = 60;
-    camera.width = 40;
-    camera.height = 30;
-    const View view = view_of(camera);
+    const View view = view_of(testing::camera_at({1, 2, 3}, {1, 7, 3}, 60, 40, 30));
     // A tilted wall through (1, 6, 3); each pixel knows its depth at its middle.
     const Vec3d normal = normalized(Vec3d{0.5, -1, 0.3}), through{1, 6, 3};
     double worst = 0;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "camera_at.h"
 #include "lit_room.h"
 #include "viewer/frame/frame.h"
 #include "viewer/frame/inspector.h"
@@ -18,13 +19,12 @@ constexpr int kWidth = 96, kHeight = 72;
 
 /// From outside through the +x wall into the room.
 View from_outside() {
-    Camera camera;
-    camera.position = {6.0, 0.2, 1.2};
-    camera.look_at = {0.0, 0.2, 1.2};
-    camera.vfov_deg = 40.0;
-    camera.width = kWidth;
-    camera.height = kHeight;
-    return view_of(camera);
+    return view_of(testing::camera_at({6.0, 0.2, 1.2}, {0.0, 0.2, 1.2}, 40.0, kWidth, kHeight));
+}
+
+/// From within, at the far wall.
+View across() {
+    return view_of(testing::camera_at({-1.0, 0.0, 1.2}, {2.0, 0.0, 1.2}, 60.0, kWidth, kHeight));
 }
 
 TEST(ClipBox, DrawsWhatLiesInItAndNothingElse) {
@@ -63,12 +63,7 @@ TEST(ClipBox, DrawsWhatLiesInItAndNothingElse) {
 
 TEST(Inspector, ShowsPointsWithoutLightWhereSurfacesAreAllThereIs) {
     LitRoom room;
-    Camera camera;
-    camera.position = {-1.0, 0.0, 1.2};
-    camera.look_at = {2.0, 0.0, 1.2};
-    camera.width = kWidth;
-    camera.height = kHeight;
-    room.frame.draw_surfaces(view_of(camera), Frame::Missing::kWaitFor);
+    room.frame.draw_surfaces(across(), Frame::Missing::kWaitFor);
     Inspector inspector;
     const Texture target("target", GL_RGBA8, kWidth, kHeight);
     inspector.draw(room.frame, nullptr, {Layer::kUnlit, 0, 0.0, ToneCurve::kLinear}, target);
@@ -85,12 +80,7 @@ TEST(Inspector, ShowsPointsWithoutLightWhereSurfacesAreAllThereIs) {
 
 TEST(Inspector, ShowsTheCellsOfALevelAndWhatTheyRadiate) {
     LitRoom room;
-    Camera camera;
-    camera.position = {-1.0, 0.0, 1.2};
-    camera.look_at = {2.0, 0.0, 1.2};
-    camera.width = kWidth;
-    camera.height = kHeight;
-    room.frame.draw(view_of(camera), room.light, Frame::Missing::kWaitFor);
+    room.frame.draw(across(), room.light, Frame::Missing::kWaitFor);
     Inspector inspector;
     const Texture target("target", GL_RGBA8, kWidth, kHeight);
     const auto colours_of = [&](Layer layer, int level) {

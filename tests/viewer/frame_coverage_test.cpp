@@ -9,6 +9,7 @@
 #include <optional>
 #include <random>
 
+#include "camera_at.h"
 #include "octree/build.h"
 #include "viewer/frame/frame.h"
 #include "viewer/gpu/context.h"
@@ -70,13 +71,7 @@ SurfelCloud sphere_of(const Vec3d& centre, double radius, double density) {
 }
 
 View view_from(const Vec3d& eye, const Vec3d& look_at, int width = kWidth, int height = kHeight) {
-    Camera camera;
-    camera.position = eye;
-    camera.look_at = look_at;
-    camera.vfov_deg = 70.0;
-    camera.width = width;
-    camera.height = height;
-    return view_of(camera);
+    return view_of(testing::camera_at(eye, look_at, 70.0, width, height));
 }
 
 /// Depth at which a ray meets a box, from inside where it leaves it; nothing where it misses.

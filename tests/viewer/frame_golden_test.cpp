@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "analytic_cave.h"
+#include "camera_at.h"
 #include "octree/build.h"
 #include "viewer/frame/exr.h"
 #include "viewer/frame/frame.h"
@@ -28,13 +29,7 @@ FrameLayers golden_frame(const Context& context, View& view) {
     light.iterate(4);
     Frame frame(context, octree.view(), {.selection = {}, .wetness = 0.5f, .samples = 2});
     frame.set_panels(scene.area_lights);
-    Camera camera;
-    camera.position = {0.3, 0.5, 0.5};
-    camera.look_at = {3.5, 0.6, 0.45};
-    camera.vfov_deg = 70.0;
-    camera.width = 40;
-    camera.height = 30;
-    view = view_of(camera);
+    view = view_of(testing::camera_at({0.3, 0.5, 0.5}, {3.5, 0.6, 0.45}, 70.0, 40, 30));
     return frame.render(view, light);
 }
 

@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "analytic_cave.h"
+#include "camera_at.h"
 #include "octree/build.h"
 #include "viewer/frame/frame.h"
 #include "viewer/gpu/context.h"
@@ -13,13 +14,7 @@ namespace glowworm {
 namespace {
 
 Camera camera_at(const Vec3d& position, const Vec3d& look_at, int width, int height) {
-    Camera camera;
-    camera.position = position;
-    camera.look_at = look_at;
-    camera.vfov_deg = 70.0;
-    camera.width = width;
-    camera.height = height;
-    return camera;
+    return testing::camera_at(position, look_at, 70.0, width, height);
 }
 
 void expect_no_errors(const Context& context) {

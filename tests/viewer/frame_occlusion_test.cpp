@@ -9,6 +9,7 @@
 #include <random>
 
 #include "analytic_cave.h"
+#include "camera_at.h"
 #include "octree/build.h"
 #include "octree/chunk.h"
 
@@ -18,13 +19,7 @@ namespace {
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 
 View view_to_the_north() {
-    Camera camera;
-    camera.position = {0, 0, 0};
-    camera.look_at = {0, 1, 0};
-    camera.vfov_deg = 90.0;
-    camera.width = 80;
-    camera.height = 64;
-    return view_of(camera);
+    return view_of(testing::camera_at({0, 0, 0}, {0, 1, 0}, 90.0, 80, 64));
 }
 
 bool hidden(const DepthPyramid& pyramid, const Vec3d& middle, double radius = 0.01) {

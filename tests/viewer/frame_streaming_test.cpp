@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "analytic_cave.h"
+#include "camera_at.h"
 #include "octree/build.h"
 #include "viewer/frame/frame.h"
 #include "viewer/gpu/context.h"
@@ -31,13 +32,7 @@ struct Passage {
 };
 
 View view_from(const Vec3d& position, const Vec3d& look_at) {
-    Camera camera;
-    camera.position = position;
-    camera.look_at = look_at;
-    camera.vfov_deg = 60.0;
-    camera.width = 64;
-    camera.height = 48;
-    return view_of(camera);
+    return view_of(testing::camera_at(position, look_at, 60.0, 64, 48));
 }
 
 std::vector<float> beauty_of(const Frame& frame) {

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <random>
 
+#include "camera_at.h"
 #include "lit_room.h"
 #include "viewer/frame/display.h"
 #include "viewer/frame/exr.h"
@@ -18,13 +19,7 @@ using ::testing::IsEmpty;
 using testing::LitRoom;
 
 Camera camera_at(const Vec3d& position, const Vec3d& look_at, int width, int height) {
-    Camera camera;
-    camera.position = position;
-    camera.look_at = look_at;
-    camera.vfov_deg = 70.0;
-    camera.width = width;
-    camera.height = height;
-    return camera;
+    return testing::camera_at(position, look_at, 70.0, width, height);
 }
 
 /// Depth along the view axis at which a ray from inside leaves the room.

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "analytic_cave.h"
+#include "camera_at.h"
 #include "octree/build.h"
 #include "viewer/frame/frame.h"
 #include "viewer/gpu/context.h"
@@ -61,13 +62,7 @@ TEST(FrameTwin, CompiledShadingDrawsWhatTheShadersDraw) {
     const Scene scene = three_lights();
     LightField light(context, octree.view(), scene);
     light.iterate(2);
-    Camera camera;
-    camera.position = {-1.6, -1.1, 1.0};
-    camera.look_at = {0.6, 0.3, 1.4};
-    camera.vfov_deg = 80.0;
-    camera.width = 61;
-    camera.height = 43;
-    const View view = view_of(camera);
+    const View view = view_of(testing::camera_at({-1.6, -1.1, 1.0}, {0.6, 0.3, 1.4}, 80.0, 61, 43));
     Frame frame(context, octree.view(), {.samples = 2});
     frame.set_panels(scene.area_lights);
     const FrameLayers compiled = frame.render(view, light);
@@ -110,18 +105,14 @@ TEST(FrameTwin, CompiledSplattingDrawsWhatTheShadersDraw) {
     if (!context.device().software) GTEST_SKIP() << "OpenGL runs on a GPU: shaders do all of it";
     const Octree octree = build_octree(ragged_room(), {.depth = 5});
     Frame frame(context, octree.view());
-    Camera camera;
-    camera.position = {-1.7, -1.2, 0.9};
-    camera.look_at = {0.6, 0.3, 1.2};
-    camera.vfov_deg = 80.0;
-    camera.width = 203;
-    camera.height = 157;
-    View orthographic = view_of(camera);
+    const View whole =
+        view_of(testing::camera_at({-1.7, -1.2, 0.9}, {0.6, 0.3, 1.2}, 80.0, 203, 157));
+    View orthographic = whole;
     orthographic.orthographic = true;
     orthographic.focal = 60.0;
-    View clipped = view_of(camera);
+    View clipped = whole;
     clipped.clip = WorldBox{{-1.0, -2.0, 0.2}, {2.1, 2.0, 2.0}};
-    for (const View& view : {view_of(camera), orthographic, clipped}) {
+    for (const View& view : {whole, orthographic, clipped}) {
         const auto pixels = static_cast<std::size_t>(view.width * view.height);
         std::vector<std::vector<gpu::vec4>> surfaces, albedos;
         for (const bool shaders : {false, false, true}) {

@@ -4,19 +4,14 @@
 #include <cmath>
 #include <random>
 
+#include "camera_at.h"
 #include "viewer/frame/view.h"
 
 namespace glowworm {
 namespace {
 
 Camera tilted_camera() {
-    Camera camera;
-    camera.position = {12.0, -3.0, 1.5};
-    camera.look_at = {9.0, 4.0, 0.2};
-    camera.vfov_deg = 70.0;
-    camera.width = 400;
-    camera.height = 300;
-    return camera;
+    return testing::camera_at({12.0, -3.0, 1.5}, {9.0, 4.0, 0.2}, 70.0, 400, 300);
 }
 
 TEST(View, LooksAtTheMiddleOfThePicture) {
