@@ -6,7 +6,7 @@ CONSTANT float kNearDepth = 0.02f;         // m: what is nearer is not drawn
 CONSTANT float kSmallestRadius = 0.75f;    // pixels: a disc covers at least the pixel it lies in
 CONSTANT float kFlattestCosine = 0.15f;    // a disc seen more edge-on is tilted this far toward the eye
 
-CONSTANT float kLeastWeight = 1.0f / 4096.0f;   // so that what is covered has a weight
+CONSTANT float kLeastWeight = 1.0f / 1024.0f;   // so that what is covered has a weight
 
 // With e the pixels from `middle`, a ray meets the disc's plane where `lean`, 1 + slope . e, divides
 // the centre's depth. There it lies e' form e / lean^2 off the middle, squared, 1 at the radius: an

@@ -9,7 +9,10 @@
 // Weighted sums over the discs at a pixel, in fixed point: integer sums do not depend on their
 // order, so the same frame gives the same bits.
 CONSTANT uint kFarthest = 0x7f800000u;   // depth where nothing was hit: +infinity
-CONSTANT float kFixedOne = 65536.0f;
+// The least weight (splat.glsl) is 256 of these units: a dark wall's colour is right where nothing but
+// the outer part of one disc reaches. Eight thousand discs may lie over each other in full.
+CONSTANT float kFixedOne = 262144.0f;
+CONSTANT float kHalfUnit = 0.5f;   // what is added where a positive value is rounded down
 
 // What one disc adds.
 struct SurfaceShare {
@@ -28,10 +31,10 @@ SurfaceShare share_of_surface(FLOATS weight, vec3 normal, vec3 albedo, float ndf
     share.normal_y = TO_INTS(normal.y * w);
     share.normal_z = TO_INTS(normal.z * w);
     share.weight = TO_INTS(w);
-    share.red = TO_INTS(albedo.x * w);
-    share.green = TO_INTS(albedo.y * w);
-    share.blue = TO_INTS(albedo.z * w);
-    share.ndf_length = TO_INTS(ndf_length * w);
+    share.red = TO_INTS(albedo.x * w + kHalfUnit);
+    share.green = TO_INTS(albedo.y * w + kHalfUnit);
+    share.blue = TO_INTS(albedo.z * w + kHalfUnit);
+    share.ndf_length = TO_INTS(ndf_length * w + kHalfUnit);
     share.behind = TO_INTS(behind * w);
     return share;
 }

@@ -195,6 +195,29 @@ TEST(Coverage, ShowsAWallTenCentimetresAwayAtItsDepth) {
     }
 }
 
+TEST(Coverage, KeepsTheColourOfADarkWallWhereOnlyTheOuterPartOfADiscReaches) {
+    SurfelCloud cloud = box_of(kLow, kHigh, -1, 150, 0.0);
+    for (Surfel& surfel : cloud.surfels)
+        surfel.albedo = {0.004f, 0.012f, 0.03f};
+    Drawn room(std::move(cloud));
+    double worst = 0;
+    for (const Vec3d& ahead : {Vec3d{1, 0.2, 0.1}, Vec3d{-0.3, 1, -0.4}}) {
+        const View view = view_from({-1.5, -1.2, 1.1}, Vec3d{-1.5, -1.2, 1.1} + ahead, 160, 120);
+        const FrameLayers layers = room.frame.render(view, room.light);
+        const Vec3f first = layers.albedo.front();
+        EXPECT_NEAR(first.z, 0.03f, 0.002f);
+        for (const Vec3f& albedo : layers.albedo) {
+            for (int channel = 0; channel < 3; ++channel) {
+                worst = std::max(worst, std::abs(static_cast<double>(albedo[channel]) /
+                                                     static_cast<double>(first[channel]) -
+                                                 1.0));
+            }
+        }
+    }
+    std::cout << "a dark wall's colour is off by " << 1e2 * worst << " % at worst\n";
+    EXPECT_LT(worst, 0.2);
+}
+
 /// Of pixels on the other side of the true outline, the distance in pixels to the nearest that is
 /// right: the farthest, and the mean over the outline's pixels.
 struct OutlineError {
