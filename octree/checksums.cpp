@@ -30,7 +30,8 @@ void check_padding(const OctreeFile& file, Sentences& sentences) {
         const SectionEntry& s = file.header().sections[i];
         const auto padding = bytes.subspan(end, s.offset - end);
         if (!std::ranges::all_of(padding, [](char b) { return b == 0; })) {
-            sentences.push_back("the padding before section " + std::to_string(i) + " is not zero");
+            sentences.push_back("the padding before section kind " + std::to_string(s.kind) +
+                                " is not zero");
         }
         end = s.offset + s.count * s.record_bytes;
     }
@@ -70,7 +71,7 @@ Sentences check_checksums(const OctreeFile& file, std::initializer_list<SectionK
     Sentences sentences;
     for (std::uint32_t i = 0; i < header.section_count; ++i) {
         if (!wrong[i]) continue;
-        sentences.push_back("section " + std::to_string(i) + " (" +
+        sentences.push_back("section kind " + std::to_string(header.sections[i].kind) + " (" +
                             name_of(header.sections[i].kind) + ") does not match its checksum");
     }
     if (kinds.size() == 0) check_padding(file, sentences);

@@ -50,7 +50,7 @@ class SectionReader {
             if (s.offset % kSectionAlignment != 0 || s.offset < end || s.record_bytes == 0 ||
                 s.offset > header.file_bytes ||
                 s.count > (header.file_bytes - s.offset) / s.record_bytes) {
-                refuse(path, "is damaged: section " + std::to_string(i) +
+                refuse(path, "is damaged: section kind " + std::to_string(s.kind) +
                                  " does not lie inside the file; write it again");
             }
             end = s.offset + s.count * s.record_bytes;
@@ -68,7 +68,7 @@ class SectionReader {
             const SectionEntry& s = header_.sections[i];
             if (s.kind != static_cast<std::uint32_t>(kind)) continue;
             if (s.record_bytes != sizeof(T)) {
-                refuse(path_, "is damaged: section " + std::to_string(i) +
+                refuse(path_, "is damaged: section kind " + std::to_string(s.kind) +
                                   " has records of a wrong size; write it again");
             }
             return {reinterpret_cast<const T*>(bytes_ + s.offset),
