@@ -8,6 +8,7 @@
 
 #include "viewer/app/cave.h"
 #include "viewer/light/light_field.h"
+#include "viewer/light/light_meter.h"
 
 namespace glowworm {
 namespace {
@@ -52,7 +53,7 @@ void speed_table(const Context& context, std::span<const LightMethod> methods, c
         const auto time = [&](int bounces, bool at_rest) {
             const double start = seconds();
             field.iterate(bounces, at_rest);
-            field.measure({});
+            measure_light(field, {});
             field.read_indirect();
             return seconds() - start;
         };

@@ -7,6 +7,7 @@
 
 #include "octree/build.h"
 #include "viewer/light/light_field.h"
+#include "viewer/light/light_meter.h"
 
 namespace glowworm::testing {
 
@@ -49,7 +50,7 @@ std::vector<double> measure(const LightField& field, const std::vector<PanelPoin
     for (const PanelPoint& place : places)
         probes.push_back({place.position, vec3_cast<float>(place.normal)});
     std::vector<double> irradiance;
-    for (const ProbeResult& result : field.measure(probes))
+    for (const ProbeResult& result : measure_light(field, probes))
         irradiance.push_back(static_cast<double>(result.indirect.x));
     return irradiance;
 }

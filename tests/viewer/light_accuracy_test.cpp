@@ -7,6 +7,7 @@
 
 #include "octree/build.h"
 #include "viewer/light/light_field.h"
+#include "viewer/light/light_meter.h"
 
 namespace glowworm {
 namespace {
@@ -102,7 +103,7 @@ TEST(LightAccuracy, GrazingLightIsNotShadowedByTheWallItGrazes) {
     std::vector<Probe> probes;
     for (const Surfel& surfel : testing::sphere(2000, 0.5f).surfels)
         probes.push_back({vec3_cast<double>(surfel.position), surfel.normal});
-    const auto measured = field.measure(probes);
+    const auto measured = measure_light(field, probes);
     double worst = 0.0;
     for (std::size_t i = 0; i < probes.size(); ++i) {
         const Vec3d way = lamp - probes[i].position;

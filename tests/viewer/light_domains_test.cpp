@@ -13,6 +13,7 @@
 #include "viewer/light/domains.h"
 #include "viewer/light/group_light.h"
 #include "viewer/light/light_field.h"
+#include "viewer/light/light_meter.h"
 
 namespace glowworm {
 namespace {
@@ -47,7 +48,7 @@ std::vector<double> measured_near(const Octree& octree, const Vec3f& eye, float 
                               normalized(Vec3f{lobe.ndf[0], lobe.ndf[1], lobe.ndf[2]})});
     }
     std::vector<double> measured;
-    for (const ProbeResult& result : field.measure(probes))
+    for (const ProbeResult& result : measure_light(field, probes))
         measured.push_back(static_cast<double>(result.indirect.y));
     return measured;
 }

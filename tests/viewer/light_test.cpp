@@ -11,6 +11,7 @@
 #include "octree/links.h"
 #include "viewer/gpu/context.h"
 #include "viewer/light/light_field.h"
+#include "viewer/light/light_meter.h"
 
 namespace glowworm {
 namespace {
@@ -35,18 +36,18 @@ TEST(Light, BehindTheBendItIsBlackWithoutBouncesAndLitWithThem) {
     LightField field(context, octree.view(), lamp_at({0.5, 0.5, 0.5}));
     const std::vector<Probe> probes = {{{1.0, 0.5, 0.0}, {0.0f, 0.0f, 1.0f}},
                                        {{3.5, 3.5, 0.0}, {0.0f, 0.0f, 1.0f}}};
-    const auto dark = field.measure(probes);
+    const auto dark = measure_light(field, probes);
     EXPECT_GT(dark[0].direct.x, 1.0f);
     EXPECT_EQ(dark[1].direct.x, 0.0f);
     EXPECT_EQ(dark[1].indirect.x, 0.0f);
     field.iterate(1);
-    EXPECT_GT(field.measure(probes)[0].indirect.x, 0.0f);
+    EXPECT_GT(measure_light(field, probes)[0].indirect.x, 0.0f);
     field.iterate(4);
-    const auto lit = field.measure(probes);
+    const auto lit = measure_light(field, probes);
     EXPECT_EQ(lit[1].direct.x, 0.0f);
     EXPECT_GT(lit[1].indirect.x, 1e-4f);
     field.forget_indirect();
-    EXPECT_EQ(field.measure(probes)[1].indirect.x, 0.0f);
+    EXPECT_EQ(measure_light(field, probes)[1].indirect.x, 0.0f);
     EXPECT_THAT(context.errors(), IsEmpty());
 }
 
@@ -122,7 +123,7 @@ TEST(Light, TheGpuMeasuresWhatTheFormulasOnTheCpuSay) {
         LightField field(context, octree.view(), scene,
                          {.links = 16, .tricubic = tricubic, .run_on = run_on});
         field.iterate(3);
-        const auto measured = field.measure(probes);
+        const auto measured = measure_light(field, probes);
 
         const std::vector<Lobe> closed = close_patches(octree.view());
         OctreeView view = octree.view();
@@ -170,7 +171,7 @@ TEST(Light, FourHundredLampsAddUpToTheirSum) {
     LightField sum(context, octree.view(), many, {.links = 16});
     sum.iterate(2);
     for (std::size_t i = 0; i < probes.size(); ++i) {
-        const ProbeResult a = one.measure(probes)[i], b = sum.measure(probes)[i];
+        const ProbeResult a = measure_light(one, probes)[i], b = measure_light(sum, probes)[i];
         EXPECT_NEAR(b.direct.x / a.direct.x, 0.8, 1e-4);
         EXPECT_NEAR(b.indirect.x / a.indirect.x, 0.8, 1e-4);
     }
@@ -185,7 +186,7 @@ TEST(Light, ProbesAwayFromEverySurfaceAndBeyondNumbersSaySo) {
                                        {{1.0, 0.5, 0.0}, {0.0f, 0.0f, -1.0f}},  // into the rock
                                        {{100.0, 0.5, 0.0}, {0.0f, 0.0f, 1.0f}},
                                        {{1e300, 0.5, 0.0}, {0.0f, 0.0f, 1.0f}}};
-    const auto measured = field.measure(probes);
+    const auto measured = measure_light(field, probes);
     EXPECT_TRUE(measured[0].on_surface);
     for (std::size_t i = 1; i < probes.size(); ++i) {
         EXPECT_FALSE(measured[i].on_surface) << i;
@@ -201,7 +202,7 @@ TEST(Light, ABlackCaveAndAnEmptySceneStayBlack) {
     EXPECT_TRUE(field.converge().settled);
     for (const gpu::vec4& e : field.read_indirect())
         EXPECT_EQ(e.x, 0.0f);
-    EXPECT_THAT(field.measure({}), IsEmpty());
+    EXPECT_THAT(measure_light(field, {}), IsEmpty());
 }
 
 TEST(Light, AWhiteCaveHasAFixedPointAndAMovedLampIsForgotten) {
@@ -214,14 +215,14 @@ TEST(Light, AWhiteCaveHasAFixedPointAndAMovedLampIsForgotten) {
     const Convergence first = field.converge();
     EXPECT_TRUE(first.settled) << first.residual;
     const std::vector<Probe> probes = {{{0.5, 1.0, 0.0}, {0.0f, 0.0f, 1.0f}}};
-    const float bright = field.measure(probes)[0].indirect.x;
+    const float bright = measure_light(field, probes)[0].indirect.x;
     EXPECT_TRUE(std::isfinite(bright));
 
     Scene dimmer = lamp_at({1.0, 1.0, 1.0});
     dimmer.point_lights[0].radiant_intensity = {5.0f, 5.0f, 5.0f};
     field.set_scene(dimmer);
     EXPECT_TRUE(field.converge().settled);
-    EXPECT_NEAR(field.measure(probes)[0].indirect.x / bright, 0.5f, 0.01f);
+    EXPECT_NEAR(measure_light(field, probes)[0].indirect.x / bright, 0.5f, 0.01f);
 }
 
 TEST(Light, WhateverItStartsFromAWhiteCaveSettlesAtTheSame) {
@@ -233,7 +234,7 @@ TEST(Light, WhateverItStartsFromAWhiteCaveSettlesAtTheSame) {
     const std::vector<Probe> probes = {{{0.5, 1.0, 0.0}, {0.0f, 0.0f, 1.0f}}};
     LightField fresh(context, octree.view(), lamp_at({1.0, 1.0, 1.0}));
     EXPECT_TRUE(fresh.converge(1e-5).settled);
-    const float truth = fresh.measure(probes)[0].indirect.x;
+    const float truth = measure_light(fresh, probes)[0].indirect.x;
     for (const float start : {1e-9f, 1e4f, 1e9f, 1e12f}) {
         Scene bright = lamp_at({1.0, 1.0, 1.0});
         bright.point_lights[0].radiant_intensity = {start, start, start};
@@ -241,7 +242,7 @@ TEST(Light, WhateverItStartsFromAWhiteCaveSettlesAtTheSame) {
         field.converge();
         field.set_scene(lamp_at({1.0, 1.0, 1.0}));
         EXPECT_TRUE(field.converge(1e-5).settled) << start;
-        EXPECT_NEAR(field.measure(probes)[0].indirect.x / truth, 1.0f, 0.01f) << start;
+        EXPECT_NEAR(measure_light(field, probes)[0].indirect.x / truth, 1.0f, 0.01f) << start;
     }
 }
 
@@ -267,7 +268,7 @@ TEST(Light, WhatIsNoNumberInAFileDoesNotSpread) {
                          {.gather = gather, .links = 16});
         EXPECT_TRUE(field.converge(1e-3).settled);
         int lit = 0;
-        for (const ProbeResult& result : field.measure(probes)) {
+        for (const ProbeResult& result : measure_light(field, probes)) {
             for (int c = 0; c < 3; ++c) {
                 EXPECT_TRUE(std::isfinite(result.direct[c]));
                 EXPECT_TRUE(std::isfinite(result.indirect[c]));

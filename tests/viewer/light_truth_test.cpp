@@ -8,6 +8,7 @@
 #include "testing.h"
 #include "viewer/gpu/context.h"
 #include "viewer/light/light_field.h"
+#include "viewer/light/light_meter.h"
 
 namespace glowworm {
 namespace {
@@ -39,7 +40,7 @@ TEST_P(LightTruth, ProbesAgreeWithAnotherRenderer) {
         true_direct.push_back(truth.direct);
         true_indirect.push_back(truth.indirect);
     }
-    for (const ProbeResult& result : field.measure(probes)) {
+    for (const ProbeResult& result : measure_light(field, probes)) {
         direct.push_back(vec3_cast<double>(result.direct));
         indirect.push_back(vec3_cast<double>(result.indirect));
     }

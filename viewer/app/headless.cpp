@@ -15,6 +15,7 @@
 #include "viewer/app/start.h"
 #include "viewer/gpu/context.h"
 #include "viewer/light/light_field.h"
+#include "viewer/light/light_meter.h"
 
 namespace glowworm {
 namespace {
@@ -70,7 +71,7 @@ Json measure_probes(const LightField& light, const Options& options, Console& co
     }
     std::vector<Irradiance> measured;
     std::size_t off_surface = 0;
-    for (const ProbeResult& result : light.measure(probes)) {
+    for (const ProbeResult& result : measure_light(light, probes)) {
         measured.push_back({result.direct, result.indirect});
         off_surface += result.on_surface ? 0 : 1;
     }

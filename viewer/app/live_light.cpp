@@ -72,7 +72,7 @@ bool LiveLight::take_rays() {
 /// True where direct light has not reached all lobes by the end of that while.
 bool LiveLight::inject_for_a_while() {
     const auto begun = std::chrono::steady_clock::now();
-    while (field_->inject_more()) {
+    while (field_->direct().inject_more()) {
         glFinish();
         if (std::chrono::steady_clock::now() - begun > kInjectTime) return true;
     }
@@ -110,7 +110,8 @@ std::string LiveLight::status() const {
     const std::uint32_t rays = field_->links().rays();
     if (injecting_) {
         return fmt::format("{}direct light reaches the walls, {:.0f} %",
-                           rays == 0 ? "direct only; " : "", field_->share_injected() * 100.0);
+                           rays == 0 ? "direct only; " : "",
+                           field_->direct().share_injected() * 100.0);
     }
     const double traced = grouped_  ? grouped_->share_done()
                           : worker_ ? worker_->share_done()

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "viewer/app/session.h"
+#include "viewer/light/light_meter.h"
 
 namespace glowworm {
 namespace {
@@ -168,7 +169,7 @@ void Session::look_under_cursor() {
     state_.cursor_distance = frame_.distance_to(point->position);
     if (state_.tool != Tool::kMeter || !light_) return;
     const Probe probe{point->position, vec3_cast<float>(point->normal)};
-    const ProbeResult light = light_->field().measure(std::span(&probe, 1)).front();
+    const ProbeResult light = measure_light(light_->field(), std::span(&probe, 1)).front();
     state_.reading = LightReading{point->position, {light.direct, light.indirect}};
 }
 

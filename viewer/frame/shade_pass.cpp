@@ -112,13 +112,13 @@ void shade_on_cpu(const GBuffer& gbuffer, const LightField& light, const ShadePa
     const auto beauty = layers.beauty.map<vec4>();
     const auto corners = input.corners.map<gpu::CornerLight>();
     const auto pixel_lamps = input.pixel_lamps.map<gpu::uvec2>();
-    const Buffer& looks = light.lamp_looks();
+    const Buffer& looks = light.direct().lamp_looks();
     std::optional<Mapped<std::uint64_t>> lamp_looks;
     if (looks.bytes() > 0) lamp_looks.emplace(looks.map<std::uint64_t>());
     gpu::ShadePass frame{.nodes = nodes,
                          .lobes = lobes,
                          .lobe_lights = lobe_lights,
-                         .lights = light.lights(),
+                         .lights = light.direct().lights(),
                          .panels = panels,
                          .surfaces = surfaces,
                          .albedos = albedos,
@@ -160,7 +160,7 @@ void shade_on_cpu(const GBuffer& gbuffer, const LightField& light, const ShadePa
         parallel(tiles, 8, [&](gpu::ShadePass& pass, gpu::uvec2 tile) {
             pass.shade_tile(gpu::uint{kTile} * tile);
         });
-    } while (LAMPS_IN_GROUP * ++frame.lamp_group < light.lights().size());
+    } while (LAMPS_IN_GROUP * ++frame.lamp_group < light.direct().lights().size());
 }
 
 }  // namespace glowworm

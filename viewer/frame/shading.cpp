@@ -63,8 +63,8 @@ void Shading::draw_by_shaders(const GBuffer& gbuffer, const LightField& light, c
     }
     const Passes& passes = wetness > 0.0f ? *wet_ : dry_;
 
-    const Buffer& looks = light.lamp_looks();
-    light.look_at_lamps();
+    const Buffer& looks = light.direct().lamp_looks();
+    light.direct().look_at_lamps();
     light.bind();
     looks.bind_storage(BINDING_LAMP_LOOKS);
     gbuffer.bind();
@@ -97,11 +97,11 @@ void Shading::draw_by_shaders(const GBuffer& gbuffer, const LightField& light, c
     set_uniform(passes.light, 3, static_cast<std::int32_t>(sub_pixels));
     set_uniform(passes.light, 4, wetness);
     const std::int32_t rows = (AREA_SAMPLES_OF_SURFACE + sub_pixels - 1) / sub_pixels;
-    for (std::uint32_t i = 0; i < light.lights().size(); ++i) {
+    for (std::uint32_t i = 0; i < light.direct().lights().size(); ++i) {
         if (i > 0 && i % LAMPS_IN_GROUP == 0 && looks.bytes() > 0)
             look_up_lamps(i / LAMPS_IN_GROUP);
         set_uniform(passes.light, 0, i);
-        const bool area = light.lights()[i].kind == LIGHT_AREA;
+        const bool area = light.direct().lights()[i].kind == LIGHT_AREA;
         if (area) {
             set_uniform(passes.light, 1, kLookRow);
             run(passes.light);
