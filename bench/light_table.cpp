@@ -1,14 +1,17 @@
 // Cones, the 2016 paper's cones and links side by side: how near each comes to what is known of
 // simple caves, and with a file the time that tracing, a bounce and settling take.
 //   bench_light sphere|density|cube|wall|tunnel [DEPTH]
-//   bench_light speed DEPTH CAVE.svo SCENE.json
+//   bench_light speed DEPTH CAVE.svo SCENE.json [METHOD...]
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <exception>
+#include <span>
 #include <string_view>
+#include <vector>
 
 #include "light_speed.h"
 #include "tests/viewer/light_accuracy.h"
@@ -109,8 +112,16 @@ int run(int argc, char** argv) {
     const std::string_view what = argc > 1 ? argv[1] : "sphere";
     const auto depth = static_cast<std::uint32_t>(argc > 2 ? std::atoi(argv[2]) : 6);
     const Context context = Context::headless();
-    if (what == "speed" && argc == 5) {
-        speed_table(context, kMethods, argv[3], argv[4], depth);
+    if (what == "speed" && argc >= 5) {
+        std::vector<LightMethod> methods(kMethods.begin(), kMethods.end());
+        if (argc > 5) {
+            std::erase_if(methods, [&](const LightMethod& method) {
+                return std::ranges::none_of(
+                    std::span(argv + 5, argv + argc),
+                    [&](const char* name) { return method.name == std::string_view(name); });
+            });
+        }
+        speed_table(context, methods, argv[3], argv[4], depth);
         return 0;
     }
     constexpr struct {
@@ -128,7 +139,7 @@ int run(int argc, char** argv) {
     }
     fmt::print(stderr,
                "bench_light sphere|density|cube|wall|tunnel [DEPTH]\n"
-               "bench_light speed DEPTH CAVE.svo SCENE.json\n");
+               "bench_light speed DEPTH CAVE.svo SCENE.json [METHOD...]\n");
     return 2;
 }
 

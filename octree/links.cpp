@@ -5,12 +5,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <numbers>
 #include <numeric>
 #include <span>
 
 #include "octree/close_patches.h"
+#include "octree/link_directions.h"
 
 namespace glowworm {
 
@@ -20,47 +19,6 @@ constexpr std::size_t kRowsAtOnce = 1 << 12;  // between two calls of progress
 constexpr std::size_t kRowsInBatch = 16;
 constexpr std::size_t kRaysInBatch = 1 << 11;  // are sorted: they and more fit a cache
 constexpr std::uint32_t kDirections = 4;       // cells of directions along each axis
-
-// Fractions of the plastic number's powers in 1/2^32: R2's steps.
-constexpr std::uint32_t kStepU = 3242174889u;
-constexpr std::uint32_t kStepV = 2447445414u;
-
-/// Bijective scramble of 32 bits (PCG's output function, Jarzynski and Olano 2020).
-std::uint32_t scramble(std::uint32_t value) {
-    const std::uint32_t state = value * 747796405u + 2891336453u;
-    const std::uint32_t word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
-    return (word >> 22u) ^ word;
-}
-
-/// The 24 high bits as a number in [0, 1): exact in float.
-float unit_fraction(std::uint32_t fixed) {
-    return static_cast<float>(fixed >> 8u) * (1.0f / 16777216.0f);
-}
-
-/// What the directions of a lobe's rays have in common.
-struct RaysOfLobe {
-    std::uint32_t seed, other_seed;
-    Vec3f tangent, bitangent, normal;
-
-    RaysOfLobe(std::uint32_t lobe, const Vec3f& unit_normal)
-        : seed(scramble(lobe)), other_seed(scramble(seed)), normal(unit_normal) {
-        // An orthonormal frame without branches at the poles (Duff et al. 2017).
-        const float sign = std::copysign(1.0f, normal.z);
-        const float a = -1.0f / (sign + normal.z);
-        const float b = normal.x * normal.y * a;
-        tangent = {1.0f + sign * normal.x * normal.x * a, sign * b, -sign * normal.x};
-        bitangent = {b, sign + normal.y * normal.y * a, -normal.y};
-    }
-
-    Vec3f direction(std::uint32_t ray) const {
-        const float u = unit_fraction(seed + (ray + 1u) * kStepU);
-        const float v = unit_fraction(other_seed + (ray + 1u) * kStepV);
-        const float sine = std::sqrt(u);
-        const float angle = 2.0f * std::numbers::pi_v<float> * v;
-        return tangent * (sine * std::cos(angle)) + bitangent * (sine * std::sin(angle)) +
-               normal * std::sqrt(1.0f - u);
-    }
-};
 
 /// Which of kDirections³ cells of directions one lies in.
 std::uint32_t cell_of_directions(const Vec3f& direction) {
@@ -123,10 +81,6 @@ class Batch {
 };
 
 }  // namespace
-
-Vec3f link_direction(std::uint32_t lobe, std::uint32_t ray, const Vec3f& normal) {
-    return RaysOfLobe(lobe, normal).direction(ray);
-}
 
 LinkTracer::LinkTracer(const OctreeView& octree, const TraceSettings& settings)
     : closed_(close_patches(octree)), octree_(octree), tracer_(closed_view(), settings) {}

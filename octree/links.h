@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "octree/link_directions.h"
 #include "octree/octree_file.h"
 #include "octree/progress.h"
 #include "octree/ray_tracer.h"
@@ -15,18 +16,13 @@ namespace glowworm {
 /// Light arrives at a lobe along a fixed set of cosine-distributed rays. A ray's link is the lobe
 /// that it meets; as long as nothing moves, a bounce of light is a product over the links.
 struct LinkSettings {
-    std::uint32_t rays = 128;  ///< per lobe, 1..1024
+    std::uint32_t rays = 128;  ///< per lobe, 1..kMostLinks
     TraceSettings trace = {};
 };
 
 /// Rays of a lobe that are traced before the others where light is shown meanwhile: a gather by so
 /// many takes less time than one by six cones, and comes nearer.
 inline constexpr std::uint32_t kPreviewRays = 16;
-
-/// The direction of a lobe's ray number `ray`: a point of the R2 sequence (Roberts 2018), shifted
-/// by a hash of the lobe (Cranley-Patterson) and mapped to the cosine round `normal`. In fixed
-/// point, so that it is the same on every machine. `normal` is unit.
-Vec3f link_direction(std::uint32_t lobe, std::uint32_t ray, const Vec3f& normal);
 
 /// [lobes x settings.rays] hit lobes, kNoHit or kBuried, on all cores; the same on any number of
 /// them. Rays of a lobe are consecutive and the first n of them are a good set for every n.

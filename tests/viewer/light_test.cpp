@@ -295,5 +295,45 @@ TEST(Light, BakedLinksGiveTheSameLightAsTracedOnes) {
         ASSERT_NEAR(a[i].x, b[i].x, 1e-5f * b[i].x);  // one by compiled code, one by shaders
 }
 
+TEST(Light, CompiledCodeSettlesTurnsAndSmoothesAsTheShadersDo) {
+    const Context context = Context::headless();
+    if (!context.device().software) GTEST_SKIP() << "OpenGL does not run on the CPU";
+    Octree octree = at_depth(testing::dogleg(0.05f), 5);
+    octree.links = trace_links(octree.view(), {.rays = 50});
+    octree.links_per_lobe = 50;
+    const auto settled = [&](RunOn run_on) {
+        LightField field(context, octree.view(), lights_of_each_kind(),
+                         {.links = 50, .run_on = run_on});
+        const Convergence convergence = field.converge();
+        EXPECT_TRUE(convergence.settled);
+        std::cout << convergence.bounces << " bounces, ";
+        return field.lobe_lights().read<gpu::LobeLight>(octree.lobes.size());
+    };
+    const auto compiled = settled(RunOn::kCpu), shaded = settled(RunOn::kGpu);
+    // A shadow ray or two tie, of the 36 to the panel, and lobes round there get a little more.
+    std::size_t apart = 0, walls = 0;
+    double irradiance = 0.0, turn = 0.0, all = 0.0, all_turns = 0.0;
+    for (std::size_t i = 0; i < shaded.size(); ++i) {
+        walls += compiled[i].irradiance.w != shaded[i].irradiance.w;
+        const double e = shaded[i].irradiance.x;
+        const double off = std::abs(compiled[i].irradiance.x - e);
+        apart += off > 1e-3 * e;
+        irradiance += off;
+        all += e;
+        for (int a = 0; a < 4; ++a) {
+            turn += std::abs(compiled[i].turn[0][a] - shaded[i].turn[0][a]);
+            all_turns += std::abs(shaded[i].turn[0][a]);
+        }
+    }
+    std::cout << apart << " of " << shaded.size() << " lobes differ, in the mean irradiance by "
+              << 100.0 * irradiance / all << " %, its turns by " << 100.0 * turn / all_turns
+              << " %\n";
+    EXPECT_EQ(walls, 0u);
+    EXPECT_LE(apart, shaded.size() / 100);
+    EXPECT_LT(irradiance, 1e-4 * all);
+    EXPECT_LT(turn, 1e-3 * all_turns);
+    EXPECT_THAT(context.errors(), IsEmpty());
+}
+
 }  // namespace
 }  // namespace glowworm

@@ -12,8 +12,8 @@ namespace glowworm {
 namespace {
 
 constexpr std::size_t kGroup = 64;
-constexpr std::size_t kSums = 12;  // per group, in the order of anderson_sums.comp
-constexpr std::size_t kSlots = 4;
+constexpr std::size_t kSums = std::tuple_size_v<AndersonSums>;  // of a group
+constexpr std::size_t kSlots = std::tuple_size_v<AndersonSlots>;
 constexpr double kTikhonov = 1e-8;       // of the trace
 constexpr double kResidualGrowth = 2.0;  // more than that and the history misleads
 constexpr float kMostWeight = 1e4f;
@@ -54,34 +54,57 @@ std::array<float, 3> anderson_weights(const std::array<double, 9>& products, std
     return weights;
 }
 
-Anderson::Anderson(std::size_t lobes)
-    : lobes_(lobes),
-      sums_({"anderson_sums.comp"}),
-      mix_({"anderson_mix.comp"}),
-      partial_sums_("anderson sums", (lobes + kGroup - 1) / kGroup * kSums * sizeof(float)),
-      residuals_("anderson residuals", lobes * kSlots * sizeof(float)),
-      past_("anderson history", lobes * kSlots * 4 * sizeof(float)) {
-    for (const Program* program : {&sums_, &mix_})
-        set_uniform(*program, 5, static_cast<std::uint32_t>(lobes));
+Anderson::Anderson(std::size_t count, bool compiled) : count_(count) {
+    if (compiled) {
+        compiled_.emplace(count);
+        return;
+    }
+    const std::size_t groups = (count + kGroup - 1) / kGroup;
+    shaders_.emplace(Shaders{Program({"anderson_sums.comp"}), Program({"anderson_mix.comp"}),
+                             Buffer("anderson sums", groups * kSums * sizeof(float)),
+                             Buffer("anderson residuals", count * kSlots * sizeof(float)),
+                             Buffer("anderson history", count * kSlots * sizeof(gpu::vec4))});
+    for (const Program* program : {&shaders_->sums, &shaders_->mix})
+        set_uniform(*program, 5, static_cast<std::uint32_t>(count));
 }
 
 void Anderson::forget() {
     history_ = 0;
 }
 
-Anderson::Change Anderson::step() {
-    partial_sums_.bind_storage(BINDING_SCRATCH_A);
-    residuals_.bind_storage(BINDING_SCRATCH_C);
-    set_uniform(sums_, 0, history_);
-    glProgramUniform1uiv(sums_.name(), 1, kSlots, slots_.data());
-    sums_.dispatch(lobes_, kGroup);
+AndersonSums Anderson::sums(const Buffer& x, const Buffer& next) {
+    if (compiled_)
+        return compiled_->sums(x.map<const gpu::vec4>(), next.map<const gpu::vec4>(), slots_,
+                               history_);
+    x.bind_storage(BINDING_INDIRECT);
+    next.bind_storage(BINDING_SCRATCH_B);
+    shaders_->partial_sums.bind_storage(BINDING_SCRATCH_A);
+    shaders_->residuals.bind_storage(BINDING_SCRATCH_C);
+    set_uniform(shaders_->sums, 0, history_);
+    glProgramUniform1uiv(shaders_->sums.name(), 1, kSlots, slots_.data());
+    shaders_->sums.dispatch(count_, kGroup);
 
-    const std::size_t groups = (lobes_ + kGroup - 1) / kGroup;
-    const std::vector<float> partial = partial_sums_.read<float>(groups * kSums);
-    std::array<double, kSums> sums{};
+    const std::size_t groups = (count_ + kGroup - 1) / kGroup;
+    const std::vector<float> partial = shaders_->partial_sums.read<float>(groups * kSums);
+    AndersonSums sums{};
     for (std::size_t i = 0; i < partial.size(); ++i)
         sums[i % kSums] += partial[i];
+    return sums;
+}
 
+void Anderson::mix(const Buffer& x, const Buffer& next, const std::array<float, 3>& weights) {
+    if (compiled_) {
+        compiled_->mix(x.map<gpu::vec4>(), next.map<const gpu::vec4>(), slots_, weights);
+        return;
+    }
+    shaders_->past.bind_storage(BINDING_SCRATCH_C);
+    glProgramUniform3fv(shaders_->mix.name(), 0, 1, weights.data());
+    glProgramUniform1uiv(shaders_->mix.name(), 1, kSlots, slots_.data());
+    shaders_->mix.dispatch(count_, kGroup);
+}
+
+Anderson::Change Anderson::step(const Buffer& x, const Buffer& next) {
+    const AndersonSums sums = this->sums(x, next);
     std::array<double, 9> products{};
     std::copy_n(sums.begin(), 9, products.begin());
     const double residual = std::sqrt(sums[9]);
@@ -89,12 +112,7 @@ Anderson::Change Anderson::step() {
         !std::isfinite(residual) || (history_ > 0 && residual > kResidualGrowth * last_residual_);
     if (misled) history_ = 0;
     last_residual_ = residual;
-    const std::array<float, 3> weights = anderson_weights(products, history_);
-
-    past_.bind_storage(BINDING_SCRATCH_C);
-    glProgramUniform3fv(mix_.name(), 0, 1, weights.data());
-    glProgramUniform1uiv(mix_.name(), 1, kSlots, slots_.data());
-    mix_.dispatch(lobes_, kGroup);
+    mix(x, next, anderson_weights(products, history_));
 
     std::rotate(slots_.begin(), slots_.begin() + kSlots - 1, slots_.end());
     history_ = std::min<std::uint32_t>(history_ + 1, kSlots - 1);
@@ -102,7 +120,7 @@ Anderson::Change Anderson::step() {
     return {norm > 0.0       ? residual / norm
             : residual > 0.0 ? 1.0
                              : 0.0,
-            lobes_ > 0 ? sums[11] / static_cast<double>(lobes_) : 0.0};
+            count_ > 0 ? sums[11] / static_cast<double>(count_) : 0.0};
 }
 
 }  // namespace glowworm

@@ -3,9 +3,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "viewer/gpu/objects.h"
 #include "viewer/gpu/program.h"
+#include "viewer/light/anderson_passes.h"
 
 namespace glowworm {
 
@@ -14,7 +16,8 @@ namespace glowworm {
 /// always converges, when the residual grows or the least squares is not finite.
 class Anderson {
   public:
-    explicit Anderson(std::size_t lobes);  ///< or groups of them
+    /// Of so many lobes, or groups of them; by compiled code or by shaders.
+    Anderson(std::size_t count, bool compiled);
 
     /// What a bounce changes, before it is taken.
     struct Change {
@@ -22,15 +25,22 @@ class Anderson {
         double relative = 0.0;  ///< mean over lobes of |T(x) - x| / T(x)
     };
 
-    /// One step: reads x at BINDING_INDIRECT and T(x) at BINDING_SCRATCH_B, writes the next x.
-    Change step();
+    /// One step from x, to which T(x) belongs: x becomes the next one.
+    Change step(const Buffer& x, const Buffer& next);
     void forget();  ///< clears the history: what T is has changed
 
   private:
-    std::size_t lobes_;
-    Program sums_, mix_;
-    Buffer partial_sums_, residuals_, past_;
-    std::array<std::uint32_t, 4> slots_{0, 1, 2, 3};  // newest first
+    struct Shaders {
+        Program sums, mix;
+        Buffer partial_sums, residuals, past;
+    };
+    AndersonSums sums(const Buffer& x, const Buffer& next);
+    void mix(const Buffer& x, const Buffer& next, const std::array<float, 3>& weights);
+
+    std::size_t count_;
+    std::optional<AndersonPasses> compiled_;
+    std::optional<Shaders> shaders_;
+    AndersonSlots slots_{0, 1, 2, 3};
     std::uint32_t history_ = 0;
     double last_residual_ = 0.0;
 };

@@ -14,6 +14,16 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr std::size_t kLobesPerTask = 512;
+constexpr std::size_t kSums = 4;
+
+using Channels [[gnu::vector_size(16), gnu::aligned(4), gnu::may_alias]] = float;
+
+/// What a link brings; nothing where it meets nothing, without a branch.
+inline const Channels* source(std::span<const gpu::vec4> radiance, std::uint32_t link) {
+    static constexpr gpu::vec4 kBlack(0.0f);
+    const gpu::vec4* from = link < radiance.size() ? &radiance[link] : &kBlack;
+    return reinterpret_cast<const Channels*>(from);
+}
 
 template <typename Visit>
 void for_each_lobe(std::size_t lobes, const Visit& visit) {
@@ -24,6 +34,28 @@ void for_each_lobe(std::size_t lobes, const Visit& visit) {
                       });
 }
 
+/// How far along its tangent and bitangent the irradiance of a lobe turns by each of its rays.
+class TurnsOfRays {
+  public:
+    explicit TurnsOfRays(std::size_t rays) : x_(rays), y_(rays), z_(rays) {}
+
+    struct Along {
+        std::span<const float> x, y;
+    };
+    Along of(const RaysOfLobe& rays) {
+        rays.components(x_, y_, z_);
+        for (std::size_t ray = 0; ray < z_.size(); ++ray) {
+            const float per_cosine = 1.0f / std::max(z_[ray], IrradianceTurn::kLeastCosine);
+            x_[ray] *= per_cosine;
+            y_[ray] *= per_cosine;
+        }
+        return {x_, y_};
+    }
+
+  private:
+    std::vector<float> x_, y_, z_;
+};
+
 }  // namespace
 
 float open_rays(std::span<const std::uint32_t> row) {
@@ -31,26 +63,22 @@ float open_rays(std::span<const std::uint32_t> row) {
     return static_cast<float>(std::max<std::ptrdiff_t>(std::ssize(row) - buried, 1));
 }
 
-std::vector<gpu::vec4> bounce_along(const LinkRows& rows, std::span<const gpu::vec4> radiance) {
-    // What meets nothing reads the black one at the end, without a branch.
-    std::vector<gpu::vec4> sources(radiance.begin(), radiance.end());
-    sources.emplace_back();
-    const auto black = static_cast<std::uint32_t>(radiance.size());
-    std::vector<gpu::vec4> gathered(rows.links.size() / std::max(rows.stride, 1u));
+void bounce_along(const LinkRows& rows, std::span<const gpu::vec4> radiance,
+                  std::span<gpu::vec4> gathered) {
     for_each_lobe(gathered.size(), [&](std::size_t lobe) {
         const auto row = rows.of(lobe);
-        gpu::vec4 sum{};
-        for (const std::uint32_t link : row) {
-            const gpu::vec4& from = sources[std::min(link, black)];
-            sum.x += from.x;
-            sum.y += from.y;
-            sum.z += from.z;
-            sum.w += from.w;
+        // Several sums at a time: one alone waits for each of its additions.
+        Channels sums[kSums] = {};
+        std::size_t ray = 0;
+        for (; ray + kSums <= row.size(); ray += kSums) {
+            for (std::size_t k = 0; k < kSums; ++k)
+                sums[k] += *source(radiance, row[ray + k]);
         }
-        const float scale = kPi / open_rays(row);
-        gathered[lobe] = {sum.x * scale, sum.y * scale, sum.z * scale, 0.0f};
+        for (; ray < row.size(); ++ray)
+            sums[0] += *source(radiance, row[ray]);
+        const Channels sum = ((sums[0] + sums[1]) + (sums[2] + sums[3])) * (kPi / open_rays(row));
+        gathered[lobe] = {sum[0], sum[1], sum[2], 0.0f};
     });
-    return gathered;
 }
 
 std::vector<gpu::LobeLight> light_gradients(const LinkRows& rows, std::span<const Lobe> lobes,
@@ -58,17 +86,28 @@ std::vector<gpu::LobeLight> light_gradients(const LinkRows& rows, std::span<cons
                                             std::span<const gpu::vec4> irradiance,
                                             std::span<const std::uint32_t> walls) {
     std::vector<gpu::LobeLight> lights(lobes.size());
-    for_each_lobe(lobes.size(), [&](std::size_t lobe) {
-        const auto row = rows.of(lobe);
-        const Vec3f normal = normalized(to_vec3(lobes[lobe].ndf));
-        IrradianceTurn turn;
-        for (std::uint32_t ray = 0; ray < rows.rays; ++ray) {
-            if (row[ray] < radiance.size())
-                turn.add(static_cast<std::uint32_t>(lobe), ray, normal, radiance[row[ray]]);
-        }
-        lights[lobe] =
-            turn.light(irradiance[lobe], walls[lobe], open_rays(row), to_vec3(radiance[lobe]));
-    });
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lobes.size(), kLobesPerTask),
+                      [&](const auto& range) {
+                          TurnsOfRays turns(rows.rays);
+                          for (std::size_t lobe = range.begin(); lobe != range.end(); ++lobe) {
+                              const auto row = rows.of(lobe);
+                              const RaysOfLobe rays(static_cast<std::uint32_t>(lobe),
+                                                    normalized(to_vec3(lobes[lobe].ndf)));
+                              const auto [along_x, along_y] = turns.of(rays);
+                              Channels x[2] = {}, y[2] = {};
+                              for (std::size_t ray = 0; ray < row.size(); ++ray) {
+                                  const Channels from = *source(radiance, row[ray]);
+                                  x[ray & 1] += from * along_x[ray];
+                                  y[ray & 1] += from * along_y[ray];
+                              }
+                              const Channels x_all = x[0] + x[1], y_all = y[0] + y[1];
+                              IrradianceTurn turn;
+                              turn.add(rays.tangent(), {x_all[0], x_all[1], x_all[2]});
+                              turn.add(rays.bitangent(), {y_all[0], y_all[1], y_all[2]});
+                              lights[lobe] = turn.light(irradiance[lobe], walls[lobe],
+                                                        open_rays(row), to_vec3(radiance[lobe]));
+                          }
+                      });
     return lights;
 }
 

@@ -25,8 +25,10 @@ struct LinkRows {
 /// Of a row's rays, those that are not buried; at least 1.
 float open_rays(std::span<const std::uint32_t> row);
 
-/// [rows] pi times the mean radiance over each row's links (bounce.comp). `radiance`: [lobes].
-std::vector<gpu::vec4> bounce_along(const LinkRows& rows, std::span<const gpu::vec4> radiance);
+/// gathered: [rows] pi times the mean radiance over each row's links (bounce.comp). `radiance`:
+/// [lobes].
+void bounce_along(const LinkRows& rows, std::span<const gpu::vec4> radiance,
+                  std::span<gpu::vec4> gathered);
 
 /// [lobes] irradiance, and how it changes as the surface turns (light_gradient.comp); `walls` are
 /// those of walls.h.

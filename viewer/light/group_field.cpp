@@ -30,7 +30,9 @@ std::vector<gpu::vec4> GroupField::radiance(const Buffer& direct, const Buffer& 
 std::vector<gpu::vec4> GroupField::gather(const Buffer& direct, const Buffer& indirect,
                                           std::span<const gpu::vec4> emitted) {
     radiance_ = radiance(direct, indirect, emitted);
-    return bounce_along(links_->rows(), radiance_);
+    std::vector<gpu::vec4> light(count());
+    bounce_along(links_->rows(), radiance_, light);
+    return light;
 }
 
 /// Lobes of one domain after the other lie side by side, and go to the GPU as they do.

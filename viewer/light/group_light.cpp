@@ -10,6 +10,7 @@
 #include "viewer/gpu/glsl.h"
 #include "viewer/light/irradiance_turn.h"
 #include "viewer/light/lookup.h"
+#include "viewer/light/smoothing.h"
 
 namespace glowworm {
 namespace gpu {
@@ -53,7 +54,7 @@ std::vector<std::uint32_t> keep_links(const GroupLinks& before, GroupLinks& now)
 
 GroupLinks link_groups(const OctreeView& octree, LightGroups groups, const LightSettings& settings,
                        const GroupLinks* before, const Progress& progress) {
-    GroupLinks now{std::move(groups), {}, std::clamp(settings.links, 1u, 1024u)};
+    GroupLinks now{std::move(groups), {}, std::clamp(settings.links, 1u, kMostLinks)};
     now.links.resize(std::size_t{now.groups.count()} * now.rays);
     GroupLinks none;
     none.groups.coarser.assign(now.groups.coarser.size(), 0xff);
@@ -86,7 +87,8 @@ void radiate(std::span<const Lobe> lobes, std::span<const gpu::vec4> emitted,
             gpu::RadiatePass pass{lobes, {}};
             for (std::size_t i = range.begin(); i != range.end(); ++i) {
                 const gpu::vec3 own(emitted.empty() ? gpu::vec4(0.0f) : emitted[i]);
-                const gpu::vec3 arriving(direct[i] + indirect[group_of[i]]);
+                const std::size_t group = group_of.empty() ? i : group_of[i];
+                const gpu::vec3 arriving(direct[i] + indirect[group]);
                 const auto lobe = static_cast<gpu::uint>(i);
                 radiance[i] = gpu::vec4(pass.lobe_radiance(lobe, own, arriving), 0.0f);
             }

@@ -29,7 +29,8 @@ GroupLinks link_groups(const OctreeView& octree, LightGroups groups, const Light
                        const GroupLinks* before = nullptr, const Progress& progress = {});
 
 /// [lobes] radiance that each sends out, W·sr⁻¹·m⁻²: radiate.comp, where `indirect` light is that
-/// of groups. All for some consecutive lobes of an octree; `emitted` is empty where nothing does.
+/// of groups, or with no `group_of` of lobes. All for some consecutive lobes of an octree;
+/// `emitted` is empty where nothing does.
 void radiate(std::span<const Lobe> lobes, std::span<const gpu::vec4> emitted,
              std::span<const gpu::vec4> direct, std::span<const std::uint32_t> group_of,
              std::span<const gpu::vec4> indirect, std::span<gpu::vec4> radiance);

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <numbers>
 
-#include "octree/links.h"
+#include "octree/link_directions.h"
 #include "viewer/gpu/vec4.h"
 
 namespace glowworm {
@@ -13,15 +13,20 @@ namespace glowworm {
 /// Heckbert 1992, Irradiance Gradients): the twin of light_gradient.comp, where the bounds are.
 class IrradianceTurn {
   public:
+    static constexpr float kLeastCosine = 0.1f;
+
     /// `radiance` arrives along ray number `ray` of a lobe with this unit normal.
     void add(std::uint32_t lobe, std::uint32_t ray, const Vec3f& normal,
              const gpu::vec4& radiance) {
         const Vec3f direction = link_direction(lobe, ray, normal);
         const float cosine = dot(direction, normal);
-        const Vec3f along = (direction - cosine * normal) / std::max(cosine, kLeastCosine);
-        const Vec3f from = to_vec3(radiance);
+        add((direction - cosine * normal) / std::max(cosine, kLeastCosine), to_vec3(radiance));
+    }
+
+    /// `radiance` arrives along rays that turn irradiance by `along`.
+    void add(const Vec3f& along, const Vec3f& radiance) {
         for (int c = 0; c < 3; ++c)
-            turn_[c] += along * from[c];
+            turn_[c] += along * radiance[c];
     }
 
     /// What lookups read of a surface with that irradiance and wall (walls.h), `open_rays` of whose
@@ -40,7 +45,6 @@ class IrradianceTurn {
 
   private:
     static constexpr float kPi = std::numbers::pi_v<float>;
-    static constexpr float kLeastCosine = 0.1f;
 
     Vec3f turn_[3];  // per channel
 };

@@ -5,6 +5,7 @@
 
 #include "viewer/light/anderson.h"
 #include "viewer/light/lookup.h"
+#include "viewer/light/smoothing.h"
 #include "viewer/light/walls.h"
 
 namespace glowworm {
@@ -72,7 +73,7 @@ void LightField::show_to_cones() const {
 
 void LightField::prepare(const Progress& progress) {
     if (octree_.lobes.empty()) return;
-    prepare_rays(GpuLinks::kAllRays, progress);
+    prepare_rays(kMostLinks, progress);
     bind();
     while (links_.trace_more(progress)) {
     }
@@ -131,7 +132,15 @@ void LightField::gather() {
     bind();
     if (groups_) {
         gathered_.write(groups_->gather(direct_.irradiance(), indirect_, emitted_by_lobes_));
-        gathered_.bind_storage(BINDING_SCRATCH_B);
+        return;
+    }
+    if (links_.on_cpu() && direct_.runs_compiled()) {
+        const auto mapped = radiance_.map<gpu::vec4>();
+        const std::span<gpu::vec4> radiance = mapped;
+        radiate(direct_.octree().lobes.map<const Lobe>(), emitted_.map<const gpu::vec4>(),
+                direct_.irradiance().map<const gpu::vec4>(), {}, indirect_.map<const gpu::vec4>(),
+                radiance);
+        bounce_along(*links_.on_cpu(), radiance, gathered_.map<gpu::vec4>());
         return;
     }
     emitted_.bind_storage(BINDING_SCRATCH_A);
@@ -198,7 +207,7 @@ void LightField::publish_from_gpu(bool smooth) {
 
 void LightField::iterate(int bounces, bool at_rest) {
     if (bounces <= 0 || octree_.lobes.empty()) return;
-    prepare_rays(GpuLinks::kAllRays, {});
+    prepare_rays(kMostLinks, {});
     for (int i = 0; i < bounces; ++i) {
         gather();
         std::swap(indirect_, gathered_);
@@ -209,11 +218,11 @@ void LightField::iterate(int bounces, bool at_rest) {
 Convergence LightField::converge(double tolerance, int max_bounces) {
     Convergence result;
     if (octree_.lobes.empty()) return {.settled = true};
-    prepare_rays(GpuLinks::kAllRays, {});
-    Anderson anderson(groups_ ? groups_->count() : octree_.lobes.size());
+    prepare_rays(kMostLinks, {});
+    Anderson anderson(groups_ ? groups_->count() : octree_.lobes.size(), direct_.runs_compiled());
     while (result.bounces < max_bounces && !result.settled) {
         gather();
-        result.residual = anderson.step().relative;
+        result.residual = anderson.step(indirect_, gathered_).relative;
         ++result.bounces;
         result.settled = result.bounces >= kLeastBounces && result.residual < tolerance;
     }

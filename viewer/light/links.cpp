@@ -16,7 +16,7 @@ constexpr std::uint32_t kRaysAtOnce = 16;  // a dispatch stays short enough for 
 GpuLinks::GpuLinks(const Context& context, const OctreeView& octree, const LightSettings& settings,
                    const Progress& progress, std::uint32_t first_rays)
     : lobes_(static_cast<std::uint32_t>(octree.lobes.size())),
-      all_rays_(std::clamp(settings.links, 1u, 1024u)) {
+      all_rays_(std::clamp(settings.links, 1u, kMostLinks)) {
     rows_.rays = all_rays_;
     const bool baked = octree.links_per_lobe >= rows_.rays && !octree.links.empty();
     const bool software = context.device().software;
@@ -88,7 +88,9 @@ void GpuLinks::trace(Rays rays, const Progress& progress) {
 
 void GpuLinks::gather(const Buffer& radiance, Buffer& gathered) const {
     if (on_cpu()) {
-        gathered.write(bounce_along(rows_, radiance.read<gpu::vec4>(lobes_)));
+        std::vector<gpu::vec4> light(lobes_);
+        bounce_along(rows_, radiance.read<gpu::vec4>(lobes_), light);
+        gathered.write(light);
     } else {
         over_blocks(bounce_);
     }

@@ -19,14 +19,12 @@ namespace glowworm {
 /// links in blocks of lobes, each small enough to be bound.
 class GpuLinks {
   public:
-    static constexpr std::uint32_t kAllRays = 1024;
-
     GpuLinks() = default;
     /// Takes the octree's baked links where they have at least as many rays, else traces them: on
     /// all CPU cores where OpenGL runs on the CPU, else on the GPU, whose octree is bound, there
     /// `first_rays` for now. The octree must outlive it.
     GpuLinks(const Context& context, const OctreeView& octree, const LightSettings& settings,
-             const Progress& progress, std::uint32_t first_rays = kAllRays);
+             const Progress& progress, std::uint32_t first_rays = kMostLinks);
     /// Links in the process' memory that something else has traced and keeps.
     explicit GpuLinks(const LinkRows& rows);
     /// Traces as many rays again as there are, on the GPU, whose octree is bound. False where there

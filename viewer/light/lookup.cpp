@@ -15,7 +15,7 @@ struct LookupPass {
     std::span<const LobeLight> lobe_lights;
     LightGrid grid;
 
-#include "shaders/smoothing.glsl"
+#include "shaders/light_lookup.glsl"
 };
 
 /// Calls `visit(pass, i)` for i in [0, count), each thread with a pass of its own.
@@ -51,14 +51,6 @@ std::vector<gpu::LobeLight> light_at(const LookupInput& input,
         lights[i] = input.lobe_lights[at.lobe];
         lights[i].irradiance =
             gpu::vec4(pass.turned_irradiance(lights[i], pass.lobe_normal(at.lobe), normal), 0.0f);
-    });
-    return lights;
-}
-
-std::vector<gpu::LobeLight> smoothed(const LookupInput& input) {
-    std::vector<gpu::LobeLight> lights(input.lobes.size());
-    gpu::for_each(input, lights.size(), [&](gpu::LookupPass& pass, std::size_t i) {
-        lights[i] = pass.smoothed_light(static_cast<gpu::uint>(i));
     });
     return lights;
 }

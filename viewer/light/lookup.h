@@ -10,8 +10,8 @@
 
 namespace glowworm {
 
-/// Twins of probe_indirect.comp and smooth_light.comp for where OpenGL runs on the CPU, and what
-/// light of groups of lobes needs everywhere: the same formulas as compiled code. On all cores, the
+/// The twin of probe_indirect.comp for where OpenGL runs on the CPU, and what light of groups of
+/// lobes needs everywhere: the same formulas as compiled code. On all cores, the
 /// same on any number of them.
 
 /// What they read: an octree's, or those of a tree of light domains (domains.h).
@@ -38,8 +38,5 @@ struct SurfacePlace {
 /// apart; where no lobe near faces its way, that of its own, turned.
 std::vector<gpu::LobeLight> light_at(const LookupInput& input,
                                      std::span<const SurfacePlace> places);
-
-/// [lobes] with the noise of each lobe's rays spread over the surface within two leaves.
-std::vector<gpu::LobeLight> smoothed(const LookupInput& input);
 
 }  // namespace glowworm
