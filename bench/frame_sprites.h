@@ -4,6 +4,7 @@
 #include "viewer/frame/gbuffer.h"
 #include "viewer/gpu/objects.h"
 #include "viewer/gpu/program.h"
+#include "viewer/light/light_field.h"
 
 namespace glowworm {
 
@@ -16,6 +17,10 @@ class Sprites {
     /// Draws what the view that `gbuffer` was last begun with sees; `scale`: drawn radius over
     /// stored radius.
     void draw(const OctreeView& octree, const GBuffer& gbuffer, float scale);
+    /// Deferred shading of what was drawn, [pixels] radiance, w: 1 where a sphere was hit:
+    /// reflected light from the leaves round each pixel, one shadow ray for each lamp. By compiled
+    /// code where OpenGL runs on the CPU, as ours is.
+    std::vector<gpu::vec4> shade(const View& view, const LightField& light) const;
 
   private:
     Program program_{{"sprite.vert", "sprite.frag"}};

@@ -18,10 +18,16 @@ using vec4 = glm::vec4;
 #define CONSTANT static constexpr
 #define OUT(T) T&
 #define INOUT(T) T&
+#define ANY_FLOAT auto   // or those of some pixels beside each other (viewer/gpu/lanes.h)
+#define ANY_VEC3 auto
+#define ANY_UINT auto
 #else
 #define CONSTANT const
 #define OUT(T) out T
 #define INOUT(T) inout T
+#define ANY_FLOAT float
+#define ANY_VEC3 vec3
+#define ANY_UINT uint
 #endif
 
 // Bindings of storage buffers: the light's are below 12, the frame's start there.

@@ -18,25 +18,23 @@ layout(std430, binding = BINDING_LIGHT) readonly buffer LobeLights { LobeLight l
 
 CONSTANT int kLookupStack = 96;   // 7 siblings wait on each level at most, 14 levels
 
-// Weight of a leaf whose centre lies `d` leaf edges away along one axis.
-float lookup_weight(float d, bool tricubic) {
-    d = abs(d);
-    if (!tricubic) return max(1.0f - d, 0.0f);
-    if (d >= 2.0f) return 0.0f;
-    float r = 2.0f - d;
-    return d >= 1.0f ? r * r * r / 6.0f : (4.0f - 6.0f * d * d + 3.0f * d * d * d) / 6.0f;
+// Weight of a leaf whose centre lies `d` leaf edges away along one axis: a cubic B-spline or a hat.
+ANY_FLOAT lookup_weight(ANY_FLOAT d, bool tricubic) {
+    ANY_FLOAT near = max(1.0f - abs(d), 0.0f);
+    ANY_FLOAT far = max(2.0f - abs(d), 0.0f);
+    return tricubic ? (far * far * far - 4.0f * near * near * near) * (1.0f / 6.0f) : near;
 }
 
-float facing_weight(float cosine) {
-    float c = max(cosine, 0.0f);
+ANY_FLOAT facing_weight(ANY_FLOAT cosine) {
+    ANY_FLOAT c = max(cosine, 0.0f);
     c *= c;
     c *= c;
     return c * c;
 }
 
 // `height` over the point's tangent plane, m.
-float plane_weight(float height) {
-    float h = height / grid.voxel_size;
+ANY_FLOAT plane_weight(ANY_FLOAT height) {
+    ANY_FLOAT h = height * (1.0f / grid.voxel_size);
     return exp(-4.0f * min(h * h, 16.0f));
 }
 
@@ -54,16 +52,19 @@ uint wall_beside(uint i) { return uint(lobe_lights[i].irradiance.w); }
 
 // Irradiance of what faces along `from` if it faced along `normal`. Its hemisphere loses the share
 // (1 - cosine) / 2 to the rock round it and sees that instead; the rest follows the gradient.
-vec3 turned_irradiance(LobeLight light, vec3 from, vec3 normal) {
-    float cosine = dot(normal, from);
-    vec3 tilt = normal - cosine * from;
-    vec3 sum = 0.5f * (1.0f + cosine) * vec3(light.irradiance);
+ANY_VEC3 turned_irradiance(LobeLight light, vec3 from, ANY_VEC3 normal) {
+    ANY_FLOAT cosine = dot(normal, from);
+    ANY_VEC3 tilt = normal - cosine * from;
+    ANY_VEC3 sum = 0.5f * (1.0f + cosine) * vec3(light.irradiance);
     for (int c = 0; c < 3; ++c) {
         vec4 turn = light.turn[c];
         sum[c] += dot(tilt, vec3(turn)) + 0.5f * (1.0f - cosine) * turn.w;
     }
     return max(sum, vec3(0.0f));
 }
+
+#ifndef LIGHT_AROUND   // by which a pass that looks up much may bring a quicker one
+#define LIGHT_AROUND light_around
 
 // Reflected light at a surface point from the leaves whose centres lie within 2 * width leaf edges
 // along every axis (1 without `tricubic`). The w of `irradiance` is the sum of weights: zero where
@@ -138,12 +139,13 @@ LobeLight light_around(vec3 position, vec3 normal, float width, bool tricubic, u
     }
     return light;
 }
+#endif
 
 // rgb: irradiance that was reflected at least once, W/m2, at a surface point; a: 0 where there is no
 // surface near that faces its way, else positive.
 vec4 indirect_light(vec3 position, vec3 normal) {
     bool tricubic = (grid.flags & LIGHT_FLAG_TRICUBIC) != 0u;
-    return light_around(position, normal, 1.0f, tricubic, 0u).irradiance;
+    return LIGHT_AROUND(position, normal, 1.0f, tricubic, 0u).irradiance;
 }
 
 vec3 indirect_irradiance(vec3 position, vec3 normal) {

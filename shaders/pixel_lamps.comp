@@ -13,5 +13,12 @@ void main() {
     uvec2 at = gl_GlobalInvocationID.xy;
     if (any(greaterThanEqual(at, uvec2(view.width, view.height)))) return;
     Pixel pixel = pixel_at(at);
-    pixel_lamps[pixel.index] = lamps_between_corners(pixel, at);
+    vec3 sum = vec3(0.0);
+    float shares = 0.0, lamp_shares = 0.0;
+    uint seen = 0xffffffffu, hidden = 0xffffffffu;
+    if (pixel.surface.w > 0.0) {
+        ask_corners(pixel.position, vec3(pixel.surface), place_in_square(at.x),
+                    place_in_square(at.y), first_corner(at), sum, shares, seen, hidden, lamp_shares);
+    }
+    pixel_lamps[pixel.index] = lamps_of_pixel(seen, hidden, lamp_shares);
 }

@@ -19,5 +19,15 @@ layout(location = 1) uniform float wetness;   // 0..1
 
 void main() {
     uvec2 at = gl_GlobalInvocationID.xy;
-    if (all(lessThan(at, uvec2(view.width, view.height)))) shade_surface(at);
+    if (any(greaterThanEqual(at, uvec2(view.width, view.height)))) return;
+    Pixel pixel = pixel_at(at);
+    vec3 sum = vec3(0.0), irradiance = vec3(0.0);
+    float shares = 0.0, lamp_shares = 0.0;
+    uint seen = 0xffffffffu, hidden = 0xffffffffu;
+    if (pixel.surface.w > 0.0) {
+        ask_corners(pixel.position, vec3(pixel.surface), place_in_square(at.x),
+                    place_in_square(at.y), first_corner(at), sum, shares, seen, hidden, lamp_shares);
+        irradiance = irradiance_of_pixel(pixel, sum, shares);
+    }
+    shade_surface(pixel, irradiance);
 }

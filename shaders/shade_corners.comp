@@ -9,15 +9,23 @@ layout(std430, binding = BINDING_CORNERS) buffer corner_lights { CornerLight cor
 layout(std430, binding = BINDING_LAMP_LOOKS) readonly buffer LampLooks { uvec2 lamp_looks[]; };
 layout(location = 0) uniform uint lamp_group;
 layout(location = 1) uniform uint looks_kept;   // 0: lobes have not looked
-uvec2 looks_of(uint lobe);
+void note_lobe(uint lobe);
 #include "corner_light.glsl"
 
-uvec2 looks_of(uint lobe) {
-    return looks_kept != 0u ? lamp_looks[lamp_group * grid.lobe_count + lobe] : uvec2(0u);
+uint lamps_seen = 0u, lamps_hidden = 0u;   // by all lobes round a corner
+
+void note_lobe(uint lobe) {
+    uvec2 looks =
+        looks_kept != 0u ? lamp_looks[lamp_group * grid.lobe_count + lobe] : uvec2(0u);
+    agree_with(looks, lamps_seen, lamps_hidden);
 }
 
 void main() {
     uvec2 corner = gl_GlobalInvocationID.xy;
     uvec2 count = corners_of_view();
-    if (all(lessThan(corner, count))) corners[corner.y * count.x + corner.x] = light_of_corner(corner);
+    if (any(greaterThanEqual(corner, count))) return;
+    lamps_seen = lamps_hidden = 0xffffffffu;
+    CornerLight found = light_of_corner(corner);
+    set_lamps(found, lamps_seen, lamps_hidden);
+    corners[corner.y * count.x + corner.x] = found;
 }

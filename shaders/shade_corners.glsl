@@ -13,52 +13,53 @@ CONSTANT float kLeastShare = 0.3f;   // of the corners, by likeness, that have t
 
 uvec2 corners_of_view() { return uvec2(view.width, view.height) / uint(SHADE_TILE) + 2u; }
 
-// How much the pixel makes of its square's i-th corner, whose `index` it gets too: 0..1.
-float share_of_corner(Pixel pixel, uvec2 at, uint i, float far, OUT(uint) index) {
-    vec2 place = vec2(at.x % uint(SHADE_TILE), at.y % uint(SHADE_TILE)) / float(SHADE_TILE);
-    uvec2 corner = at / uint(SHADE_TILE) + uvec2(i & 1u, i >> 1);
-    index = corner.y * corners_of_view().x + corner.x;
-    vec3 normal = vec3(pixel.surface);
-    vec3 apart = vec3(corners[index].position) - pixel.position;
-    if (corners[index].surface.w <= 0.0f || corners[index].light.irradiance.w <= 0.0f ||
-        dot(apart, apart) > far * far * grid.voxel_size * grid.voxel_size) {
-        return 0.0f;
-    }
-    return ((i & 1u) != 0u ? place.x : 1.0f - place.x) *
-           ((i >> 1) != 0u ? place.y : 1.0f - place.y) *
-           facing_weight(dot(normal, vec3(corners[index].surface))) *
-           plane_weight(dot(normal, apart));
+uint first_corner(uvec2 at) {
+    return at.y / uint(SHADE_TILE) * corners_of_view().x + at.x / uint(SHADE_TILE);
 }
 
-vec3 irradiance_between_corners(Pixel pixel, uvec2 at) {
-    vec3 normal = vec3(pixel.surface);
+// How far a pixel, one row's or column's, lies in its square: 0..1.
+float place_in_square(uint at) { return float(at % uint(SHADE_TILE)) / float(SHADE_TILE); }
+
+// A surface point at (x, y) in the square whose first corner is `first` learns what its corners know: adds
+// the irradiance that is reflected to it to `sum`, weighted by `shares`, and leaves the bits of the
+// lamps of the corners' group that all see in `seen` and that none sees in `hidden`.
+void ask_corners(ANY_VEC3 position, ANY_VEC3 normal, ANY_FLOAT x, float y, uint first,
+                 INOUT(ANY_VEC3) sum, INOUT(ANY_FLOAT) shares, INOUT(ANY_UINT) seen,
+                 INOUT(ANY_UINT) hidden, INOUT(ANY_FLOAT) lamp_shares) {
     bool turning = (grid.flags & LIGHT_FLAG_FAITHFUL) == 0u;
-    vec3 sum = vec3(0.0f);
-    float shares = 0.0f;
+    float near = kFarCorner * grid.voxel_size, near_for_lamps = kFarFromLamps * grid.voxel_size;
     for (uint i = 0u; i < 4u; ++i) {
-        uint index;
-        float share = share_of_corner(pixel, at, i, kFarCorner, index);
-        if (share <= 0.0f) continue;
-        sum += share * (turning ? turned_irradiance(corners[index].light,
-                                                    vec3(corners[index].surface), normal)
-                                : vec3(corners[index].light.irradiance));
+        uint index = first + (i & 1u) + (i >> 1) * corners_of_view().x;
+        if (corners[index].surface.w <= 0.0f || corners[index].light.irradiance.w <= 0.0f) continue;
+        vec3 facing = vec3(corners[index].surface);
+        ANY_VEC3 apart = vec3(corners[index].position) - position;
+        ANY_FLOAT share = ((i & 1u) != 0u ? x : 1.0f - x) *
+                          (((i >> 1) != 0u ? y : 1.0f - y) * facing_weight(dot(normal, facing))) *
+                          plane_weight(dot(normal, apart));
+        ANY_FLOAT squared = dot(apart, apart);
+        ANY_FLOAT share_of_lamps =
+            squared <= near_for_lamps * near_for_lamps ? share : 0.0f * share;
+        seen &= share_of_lamps > 0.0f ? corners[index].seen : 0xffffffffu;
+        hidden &= share_of_lamps > 0.0f ? corners[index].hidden : 0xffffffffu;
+        lamp_shares += share_of_lamps;
+        share = squared <= near * near ? share : 0.0f * share;
+        if (turning) {
+            sum += share * turned_irradiance(corners[index].light, facing, normal);
+        } else {
+            sum += share * vec3(corners[index].light.irradiance);
+        }
         shares += share;
     }
-    return shares >= kLeastShare ? sum / shares : indirect_irradiance(pixel.position, normal);
 }
 
-// x: bits of the lamps of the corners' group that all of the pixel's corners see, y: that none sees.
-uvec2 lamps_between_corners(Pixel pixel, uvec2 at) {
-    if (pixel.surface.w <= 0.0f) return uvec2(0u);
-    uvec2 lamps = uvec2(0xffffffffu);
-    float shares = 0.0f;
-    for (uint i = 0u; i < 4u; ++i) {
-        uint index;
-        float share = share_of_corner(pixel, at, i, kFarFromLamps, index);
-        if (share <= 0.0f) continue;
-        lamps &= uvec2(corners[index].seen, corners[index].hidden);
-        shares += share;
-    }
-    return shares >= kLeastShare ? lamps : uvec2(0u);
+// Of a pixel whose corners gave it so much.
+vec3 irradiance_of_pixel(Pixel pixel, vec3 sum, float shares) {
+    return shares >= kLeastShare ? sum / shares
+                                 : indirect_irradiance(pixel.position, vec3(pixel.surface));
+}
+
+// x: the lamps that it is known to see, y: that it is known not to see.
+uvec2 lamps_of_pixel(uint seen, uint hidden, float lamp_shares) {
+    return lamp_shares >= kLeastShare ? uvec2(seen, hidden) : uvec2(0u);
 }
 #endif

@@ -24,8 +24,8 @@ vec3 mirrored_radiance(vec3 position, vec3 normal, vec3 to_eye, float ndf_length
 }
 #endif
 
-void shade_surface(uvec2 at) {
-    Pixel pixel = pixel_at(at);
+// `irradiance`: reflected at least once, at the pixel.
+void shade_surface(Pixel pixel, vec3 irradiance) {
     uint i = pixel.index;
     bool hit = pixel.surface.w > 0.0f;
     float farthest = hit ? pixel.surface.w + kPanelDepth * grid.voxel_size : 1e30f;
@@ -39,7 +39,7 @@ void shade_surface(uvec2 at) {
         surfaces[i] = vec4(lit_side ? facing : -facing, panel_depth);
         albedos[i] = vec4(0.0f, 0.0f, 0.0f, 1.0f);
     } else if (hit) {
-        reflected = vec3(albedos[i]) * kReflects * irradiance_between_corners(pixel, at);
+        reflected = vec3(albedos[i]) * kReflects * irradiance;
 #ifdef WET
         vec3 to_eye = -normalize(pixel.along), normal = vec3(pixel.surface);
         vec3 film = film_normal(normal, to_eye);

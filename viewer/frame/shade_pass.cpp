@@ -1,19 +1,25 @@
 #include "viewer/frame/shade_pass.h"
 
 #include <tbb/blocked_range2d.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
 #include <optional>
+#include <vector>
 
-#include "viewer/gpu/glsl.h"
+#include "viewer/gpu/lanes.h"
+#include "viewer/light/lobes_near.h"
+#include "viewer/light/shadow_queue.h"
 
 namespace glowworm {
 namespace gpu {
 namespace {
 
-/// The pixels of a frame, shaded a tile at a time.
+constexpr uint kBlock = 32;  // pixels along the edge of what one thread shades at once
+
+/// The pixels of a frame, a block of them at a time, whose shadow rays are traced together.
 struct ShadePass {
     std::span<const Node> nodes;
     std::span<const Lobe> lobes;
@@ -23,52 +29,210 @@ struct ShadePass {
     std::span<vec4> surfaces, albedos, direct, indirect, specular, emission, beauty;
     std::span<CornerLight> corners;
     std::span<uvec2> pixel_lamps;
-    std::span<std::uint64_t> lamp_looks;  // empty where lobes have not looked
+    std::span<std::uint64_t> lamp_looks;  // empty where lobes do not look
     LightGrid grid;
     ViewBlock view;
     uint panel_count, light, lamp_group;
     int sub_pixels;
     float wetness;
+    ShadowQueue shadows;
+    LobesNear near_lobes;
+    std::vector<uint> noted = {};        // lobes round corners, those of one after the other
+    std::vector<std::size_t> ends = {};  // of each corner's
+    std::vector<uvec2> asking = {};      // pixels, or tiles' first ones, that wait for rays
 
+#define UNOCCLUDED shadows.unoccluded
 #include "shaders/shade_light.glsl"
 
+#define LIGHT_AROUND light_around
 #include "shaders/corner_light.glsl"
 #include "shaders/lamp_looks.glsl"
 #include "shaders/shade_surface.glsl"
 
+    uint first_of_group() const {
+        return LAMPS_IN_GROUP * lamp_group;
+    }
     uint end_of_group() const {
-        return std::min(LAMPS_IN_GROUP * (lamp_group + 1), static_cast<uint>(lights.size()));
+        return std::min(first_of_group() + LAMPS_IN_GROUP, static_cast<uint>(lights.size()));
     }
 
-    /// A lobe looks when somebody asks first. What it sees depends on nothing else, so it does not
-    /// matter which thread that is.
-    uvec2 looks_of(uint lobe) {
-        if (lamp_looks.empty()) return uvec2(0);
+    void note_lobe(uint lobe) {
+        noted.push_back(lobe);
+    }
+
+    /// light_lookup.glsl's, kLanes lobes at once, for a lookup's width and without a wall.
+    LobeLight light_around(vec3 position, vec3 normal, float, bool tricubic, uint) {
+        const bool turning = (grid.flags & LIGHT_FLAG_FAITHFUL) == 0u;
+        const vec3 most(static_cast<float>(1 << grid.depth) + 8.0f);
+        vec3 at = (position - cube_min()) / grid.voxel_size - 0.5f;
+        at = clamp(at, vec3(-8.0f), most);
+        const ivec3 low = ivec3(floor(at)) - (tricubic ? 1 : 0);
+        const LobesNear::Lobes& near = near_lobes.in_leaves(low, low + (tricubic ? 3 : 1));
+        LobesNear::Light sum{};
+        for (std::size_t first = 0; first < near.lights.size(); first += kLanes) {
+            const LobesNear::Group& group = near.groups[first / kLanes];
+            const Floats cosine = dot(group.normal, normal);
+            const Floats likeness =
+                facing_weight(cosine) * plane_weight(dot(group.position - position, normal));
+            const Floats weight = lookup_weight(group.cell[0] - at.x, tricubic) *
+                                  lookup_weight(group.cell[1] - at.y, tricubic) *
+                                  lookup_weight(group.cell[2] - at.z, tricubic) * likeness;
+            const Vec3s tilt = normal - cosine * group.normal;
+            for (int lane = 0; lane < kLanes; ++lane) {
+                if (!(weight[lane] > 0.0f)) continue;
+                EACH_LOBE(group.lobe[lane], likeness[lane]);
+                const auto& lobe = near.lights[first + static_cast<std::size_t>(lane)];
+                Floats irradiance = lobe.irradiance;
+                float share = weight[lane];
+                if (turning) {
+                    const auto wall = static_cast<uint>(lobe.irradiance[3]);
+                    if (wall != 0u && wall_between(wall, lobe_position(group.lobe[lane]), position))
+                        share *= kThroughWall;
+                    irradiance =
+                        0.5f * (1.0f + cosine[lane]) * lobe.irradiance +
+                        (tilt.x[lane] * lobe.along[0] + tilt.y[lane] * lobe.along[1] +
+                         tilt.z[lane] * lobe.along[2] + 0.5f * (1.0f - cosine[lane]) * lobe.around);
+                    irradiance = max(irradiance, 0.0f);
+                }
+                irradiance[3] = 1.0f;
+                sum.irradiance += share * irradiance;
+                for (int axis = 0; axis < 3; ++axis)
+                    sum.along[axis] += share * lobe.along[axis];
+                sum.around += share * lobe.around;
+            }
+        }
+        const float weights = sum.irradiance[3];
+        const float scale = weights > 0.0f ? 1.0f / weights : 0.0f;
+        LobeLight found;
+        for (int c = 0; c < 3; ++c) {
+            found.irradiance[c] = scale * sum.irradiance[c];
+            found.turn[c] =
+                scale * vec4(sum.along[0][c], sum.along[1][c], sum.along[2][c], sum.around[c]);
+        }
+        found.irradiance.w = weights;
+        return found;
+    }
+
+    /// What a lobe is known to see and not to see of the group's lamps.
+    uvec2 looks_of(uint lobe) const {
         const std::atomic_ref<std::uint64_t> kept(lamp_looks[lamp_group * lobes.size() + lobe]);
         const std::uint64_t looks = kept.load(std::memory_order_relaxed);
-        uvec2 known(static_cast<uint>(looks), static_cast<uint>(looks >> 32));
-        for (uint lamp = LAMPS_IN_GROUP * lamp_group; lamp < end_of_group(); ++lamp) {
-            if (((known.x | known.y) & lamp_bit(lamp)) == 0) known |= look_at_lamp(lobe, lamp);
-        }
-        const std::uint64_t all = std::uint64_t{known.y} << 32 | known.x;
-        if (all != looks) kept.store(all, std::memory_order_relaxed);
-        return known;
+        return uvec2(static_cast<uint>(looks), static_cast<uint>(looks >> 32));
     }
 
-    template <typename Visit>
-    void for_each_pixel(uvec2 corner, const Visit& visit) const {
-        for (uint y = corner.y; y < std::min(corner.y + kTile, view.height); ++y) {
-            for (uint x = corner.x; x < std::min(corner.x + kTile, view.width); ++x)
-                visit(uvec2(x, y));
+    /// Those of `lookers` that have not yet look at all the group's lamps. What they see depends on
+    /// nothing else, so it does not matter which thread comes first.
+    void have_look(std::vector<uint> lookers) {
+        std::erase_if(lookers, [&](uint lobe) { return looks_of(lobe) != uvec2(0u); });
+        std::ranges::sort(lookers);
+        const auto same = std::ranges::unique(lookers);
+        lookers.erase(same.begin(), same.end());
+        std::vector<uvec2> looks(lookers.size());
+        std::vector<std::size_t> rays(lookers.size());
+        for (uint lamp = first_of_group(); lamp < end_of_group(); ++lamp) {
+            for (std::size_t first = 0, last = 0; first < lookers.size(); first = last) {
+                shadows.ask();
+                for (; last < lookers.size() && !shadows.is_full(); ++last) {
+                    rays[last] = shadows.asked();
+                    look_at_lamp(lookers[last], lamp);
+                }
+                shadows.trace();
+                for (std::size_t i = first; i < last; ++i) {
+                    shadows.answer_from(rays[i]);
+                    looks[i] |= look_at_lamp(lookers[i], lamp);
+                }
+            }
         }
+        for (std::size_t i = 0; i < lookers.size(); ++i) {
+            std::atomic_ref<std::uint64_t>(lamp_looks[lamp_group * lobes.size() + lookers[i]])
+                .store(std::uint64_t{looks[i].y} << 32 | looks[i].x, std::memory_order_relaxed);
+        }
+    }
+
+    void shade_corners(uvec2 begin, uvec2 end) {
+        const auto for_each_corner = [&](const auto& visit) {
+            for (uint y = begin.y; y < end.y; ++y) {
+                for (uint x = begin.x; x < end.x; ++x)
+                    visit(uvec2(x, y), corners[y * corners_of_view().x + x]);
+            }
+        };
+        noted.clear();
+        ends.clear();
+        for_each_corner([&](uvec2 at, CornerLight& corner) {
+            corner = light_of_corner(at);
+            ends.push_back(noted.size());
+        });
+        if (!lamp_looks.empty()) have_look(noted);
+        std::size_t i = 0, lobe = 0;
+        for_each_corner([&](uvec2, CornerLight& corner) {
+            uint seen = 0xffffffffu, hidden = 0xffffffffu;
+            for (; lobe < ends[i]; ++lobe)
+                agree_with(lamp_looks.empty() ? uvec2(0u) : looks_of(noted[lobe]), seen, hidden);
+            set_lamps(corner, seen, hidden);
+            ++i;
+        });
+    }
+
+    /// Up to kLanes pixels of a row of a square, from `at` on, before the lights themselves.
+    void shade_row(uvec2 at, uint count) {
+        Pixel pixels[kLanes];
+        Vec3s position, normal, sum{};
+        Floats place{}, shares{}, lamp_shares{};
+        Words seen = ~Words{}, hidden = ~Words{};
+        for (uint lane = 0; lane < kLanes; ++lane) {
+            Pixel& pixel = pixels[lane];
+            pixel = pixel_at(at + uvec2(std::min(lane, count - 1), 0u));
+            for (int axis = 0; axis < 3; ++axis) {
+                position[axis][lane] = pixel.position[axis];
+                normal[axis][lane] = pixel.surface[axis];
+            }
+            place[lane] = place_in_square(at.x + lane);
+        }
+        ask_corners(position, normal, place, place_in_square(at.y), first_corner(at), sum, shares,
+                    seen, hidden, lamp_shares);
+        for (uint lane = 0; lane < count; ++lane) {
+            const Pixel& pixel = pixels[lane];
+            const bool hit = pixel.surface.w > 0.0f;
+            pixel_lamps[pixel.index] =
+                hit ? lamps_of_pixel(seen[lane], hidden[lane], lamp_shares[lane]) : uvec2(0u);
+            if (lamp_group > 0) continue;
+            const vec3 reflected(sum.x[lane], sum.y[lane], sum.z[lane]);
+            shade_surface(pixel,
+                          hit ? irradiance_of_pixel(pixel, reflected, shares[lane]) : vec3(0.0f));
+        }
+    }
+
+    /// Has `visit` work on what it is called with twice where it asks for shadow rays: what it
+    /// makes of those that are only asked for is overwritten or nothing.
+    template <typename Visit>
+    void with_shadows(uvec2 at, const Visit& visit) {
+        const std::size_t before = shadows.asked();
+        visit(at);
+        if (shadows.asked() == before) return;
+        asking.push_back(at);
+        if (shadows.is_full()) answer(visit);
+    }
+    template <typename Visit>
+    void answer(const Visit& visit) {
+        shadows.trace();
+        for (const uvec2 at : asking)
+            visit(at);
+        asking.clear();
+        shadows.ask();
     }
 
     /// shade_light.comp's look_together().
-    void look_together(uvec2 corner) {
+    void look_together(uvec2 tile, uvec2 end) {
         uint tile_seen = 0, tile_hidden = 0;
-        const Pixel first = pixel_at(corner);
+        const Pixel first = pixel_at(tile);
+        const auto for_each_pixel = [&](const auto& visit) {
+            for (uint y = tile.y; y < std::min(tile.y + kTile, end.y); ++y) {
+                for (uint x = tile.x; x < std::min(tile.x + kTile, end.x); ++x)
+                    visit(uvec2(x, y));
+            }
+        };
         if (can_be_lit(first)) {
-            for_each_pixel(corner, [&](uvec2 at) {
+            for_each_pixel([&](uvec2 at) {
                 const Pixel pixel = pixel_at(at);
                 if (!can_be_lit(pixel)) return;
                 uint seen, hidden;
@@ -78,23 +242,34 @@ struct ShadePass {
             });
         }
         const float seen = how_much_seen(tile_seen, tile_hidden);
-        for_each_pixel(corner, [&](uvec2 at) { direct[at.y * view.width + at.x].w = seen; });
+        for_each_pixel([&](uvec2 at) { direct[at.y * view.width + at.x].w = seen; });
     }
 
-    void shade_tile(uvec2 corner) {
-        for_each_pixel(corner, [&](uvec2 at) {
-            const Pixel pixel = pixel_at(at);
-            pixel_lamps[pixel.index] = lamps_between_corners(pixel, at);
-            if (lamp_group == 0) shade_surface(at);
-        });
-        for (light = LAMPS_IN_GROUP * lamp_group; light < end_of_group(); ++light) {
+    void shade_block(uvec2 begin, uvec2 end) {
+        for (uint y = begin.y; y < end.y; ++y) {
+            for (uint x = begin.x; x < end.x; x += kLanes)
+                shade_row(uvec2(x, y), std::min(uint{kLanes}, end.x - x));
+        }
+        for (light = first_of_group(); light < end_of_group(); ++light) {
             const bool area = lights[light].kind == LIGHT_AREA;
-            if (area) look_together(corner);
-            const int rows = area ? AREA_SAMPLES : 1;
-            for_each_pixel(corner, [&](uvec2 at) { shade_light(at, 0, rows); });
+            shadows.ask();
+            const auto look = [&](uvec2 tile) { look_together(tile, end); };
+            for (uint y = begin.y; area && y < end.y; y += kTile) {
+                for (uint x = begin.x; x < end.x; x += kTile)
+                    with_shadows(uvec2(x, y), look);
+            }
+            answer(look);
+            const auto shade = [&](uvec2 at) { shade_light(at, 0, area ? AREA_SAMPLES : 1); };
+            for (uint y = begin.y; y < end.y; ++y) {
+                for (uint x = begin.x; x < end.x; ++x)
+                    with_shadows(uvec2(x, y), shade);
+            }
+            answer(shade);
         }
     }
 };
+
+static_assert(SHADE_TILE == kLanes && kBlock % SHADE_TILE == 0 && kBlock % ShadePass::kTile == 0);
 
 }  // namespace
 }  // namespace gpu
@@ -102,6 +277,7 @@ struct ShadePass {
 void shade_on_cpu(const GBuffer& gbuffer, const LightField& light, const ShadePassInput& input,
                   const ShadedLayers& layers) {
     using gpu::vec4;
+    const RayTracer& tracer = light.direct().tracer();  // which maps what is mapped below
     const auto nodes = light.octree().nodes.map<const Node>();
     const auto lobes = light.octree().lobes.map<const Lobe>();
     const auto lobe_lights = light.lobe_lights().map<const gpu::LobeLight>();
@@ -115,51 +291,56 @@ void shade_on_cpu(const GBuffer& gbuffer, const LightField& light, const ShadePa
     const Buffer& looks = light.direct().lamp_looks();
     std::optional<Mapped<std::uint64_t>> lamp_looks;
     if (looks.bytes() > 0) lamp_looks.emplace(looks.map<std::uint64_t>());
-    gpu::ShadePass frame{.nodes = nodes,
-                         .lobes = lobes,
-                         .lobe_lights = lobe_lights,
-                         .lights = light.direct().lights(),
-                         .panels = panels,
-                         .surfaces = surfaces,
-                         .albedos = albedos,
-                         .direct = direct,
-                         .indirect = indirect,
-                         .specular = specular,
-                         .emission = emission,
-                         .beauty = beauty,
-                         .corners = corners,
-                         .pixel_lamps = pixel_lamps,
-                         .lamp_looks = {},
-                         .grid = light.octree().grid,
-                         .view = gbuffer.view_block(),
-                         .panel_count = input.panel_count,
-                         .light = 0,
-                         .lamp_group = 0,
-                         .sub_pixels = input.sub_pixels};
-    // Each task works on a copy of the pass.
-    const auto parallel = [&](gpu::uvec2 count, gpu::uint grain, const auto& visit) {
+    gpu::ShadePass frame{
+        .nodes = nodes,
+        .lobes = lobes,
+        .lobe_lights = lobe_lights,
+        .lights = light.direct().lights(),
+        .panels = panels,
+        .surfaces = surfaces,
+        .albedos = albedos,
+        .direct = direct,
+        .indirect = indirect,
+        .specular = specular,
+        .emission = emission,
+        .beauty = beauty,
+        .corners = corners,
+        .pixel_lamps = pixel_lamps,
+        .lamp_looks = {},
+        .grid = light.octree().grid,
+        .view = gbuffer.view_block(),
+        .panel_count = input.panel_count,
+        .light = 0,
+        .lamp_group = 0,
+        .sub_pixels = input.sub_pixels,
+        .wetness = 0.0f,
+        .shadows = ShadowQueue(&tracer),
+        .near_lobes = {nodes, lobes, lobe_lights, static_cast<int>(light.octree().grid.depth)}};
+    if (lamp_looks) frame.lamp_looks = *lamp_looks;
+    // Each thread works on a copy of the pass.
+    const auto in_blocks = [&](gpu::uvec2 size, gpu::uint edge, const auto& work) {
+        tbb::enumerable_thread_specific<gpu::ShadePass> passes(frame);
+        const gpu::uvec2 blocks = (size + (edge - 1)) / edge;
         tbb::parallel_for(
-            tbb::blocked_range2d<gpu::uint>(0, count.y, grain, 0, count.x, grain),
-            [&](const auto& range) {
-                gpu::ShadePass pass = frame;
+            tbb::blocked_range2d<gpu::uint>(0, blocks.y, 0, blocks.x), [&](const auto& range) {
+                gpu::ShadePass& pass = passes.local();
                 for (gpu::uint y = range.rows().begin(); y < range.rows().end(); ++y) {
-                    for (gpu::uint x = range.cols().begin(); x < range.cols().end(); ++x)
-                        visit(pass, gpu::uvec2(x, y));
+                    for (gpu::uint x = range.cols().begin(); x < range.cols().end(); ++x) {
+                        const gpu::uvec2 begin = edge * gpu::uvec2(x, y);
+                        work(pass, begin, gpu::min(begin + edge, size));
+                    }
                 }
             });
     };
-    if (lamp_looks) frame.lamp_looks = *lamp_looks;
-    const gpu::uvec2 count = frame.corners_of_view();
-    constexpr gpu::uint kTile = gpu::ShadePass::kTile;
-    const gpu::uvec2 tiles =
-        (gpu::uvec2(frame.view.width, frame.view.height) + (kTile - 1)) / gpu::uint{kTile};
     do {
-        parallel(count, 8, [&](gpu::ShadePass& pass, gpu::uvec2 corner) {
-            pass.corners[corner.y * count.x + corner.x] = pass.light_of_corner(corner);
-        });
-        parallel(tiles, 8, [&](gpu::ShadePass& pass, gpu::uvec2 tile) {
-            pass.shade_tile(gpu::uint{kTile} * tile);
-        });
+        in_blocks(frame.corners_of_view(), gpu::kBlock / SHADE_TILE,
+                  [](gpu::ShadePass& pass, gpu::uvec2 begin, gpu::uvec2 end) {
+                      pass.shade_corners(begin, end);
+                  });
+        in_blocks({frame.view.width, frame.view.height}, gpu::kBlock,
+                  [](gpu::ShadePass& pass, gpu::uvec2 begin, gpu::uvec2 end) {
+                      pass.shade_block(begin, end);
+                  });
     } while (LAMPS_IN_GROUP * ++frame.lamp_group < light.direct().lights().size());
 }
 

@@ -82,11 +82,11 @@ using glm::unpackSnorm2x16;
 
 #pragma GCC diagnostic ignored "-Wshadow"  // of a pass's members by a topic's arguments
 
-/// std::popcount is a call where the processor is any x86-64.
 inline vec3 vec3_of(const Vec3f& v) {
     return {v.x, v.y, v.z};
 }
 
+/// std::popcount is a call where the processor is any x86-64.
 inline int bitCount(uint bits) {
     bits -= (bits >> 1) & 0x55555555u;
     bits = (bits & 0x33333333u) + ((bits >> 2) & 0x33333333u);
