@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "shaders/frame_layout.h"
+#include "viewer/light/light_meter.h"
 
 namespace glowworm {
 
@@ -50,7 +51,7 @@ std::vector<gpu::vec4> Sprites::shade(const View& view, const LightField& light)
         probes.push_back({ray.origin + ray.direction * double{depths[i]},
                           {normals[4 * i], normals[4 * i + 1], normals[4 * i + 2]}});
     }
-    const auto arriving = light.measure(probes);
+    const auto arriving = measure_light(light, probes);
     std::vector<gpu::vec4> radiance(depths.size());
     for (std::size_t k = 0; k < pixels.size(); ++k) {
         const std::size_t i = pixels[k];
