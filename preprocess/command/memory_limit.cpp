@@ -11,11 +11,12 @@
 #include "octree/error.h"
 #include "octree/resident_memory.h"
 #include "preprocess/command/command.h"
+#include "preprocess/command/loader_pages.h"
 
 namespace glowworm {
 namespace {
 
-constexpr std::uint64_t kProgramPages = 45'000'000;  // libraries' code and tables, measured
+constexpr std::uint64_t kProgramPages = 20'000'000;  // libraries' code and tables, measured
 constexpr std::uint64_t kLeastData = 4'000'000;
 constexpr std::uint64_t kStack = 8'388'608;  // counted whole by the system, hardly ever touched
 
@@ -66,6 +67,7 @@ std::uint64_t parse_size(const std::string& text) {
 
 void limit_memory(std::uint64_t bytes, int threads) {
     if (bytes == 0) return;
+    forget_loader_pages();
     const std::uint64_t least = resident_bytes() + kLeastData;
     if (bytes < least) {
         throw Error(ExitCode::kBudget,

@@ -10,6 +10,7 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstddef>
 #include <cstdlib>
 #include <ctime>
 #include <new>
@@ -24,7 +25,8 @@ namespace {
 constexpr std::size_t kLarge = std::size_t{1} << 20;  // bytes: smaller blocks stay in memory
 constexpr std::size_t kMostAddresses = std::size_t{1} << 44;  // of which none is used twice
 constexpr std::size_t kLeastAddresses = std::size_t{1} << 36;
-constexpr std::size_t kHead = 64;  // bytes before a block that say how long its mapping is
+constexpr std::size_t kHead = 64;  // bytes before a block that say how long its mapping is; to
+                                   // their multiples it is aligned
 constexpr std::uint64_t kTouched = 8'000'000;  // bytes that threads may touch between two looks
 constexpr long kInterval = 250'000;            // ns, between two looks
 const int kSignal = SIGRTMIN;
@@ -207,13 +209,23 @@ PagedMemory::~PagedMemory() {
 }  // namespace glowworm
 
 // NOLINTBEGIN(misc-new-delete-overloads): the forms left out call these.
-void* operator new(std::size_t bytes) {
+void* operator new(std::size_t bytes, std::align_val_t alignment) {
     using namespace glowworm;
-    void* block = bytes >= kLarge && files_folder != 0
-                      ? allocate_paged(bytes)
-                      : std::malloc(std::max<std::size_t>(bytes, 1));
+    const auto aligned = static_cast<std::size_t>(alignment);
+    void* block = nullptr;
+    if (bytes >= kLarge && aligned <= kHead && files_folder != 0) {
+        block = allocate_paged(bytes);
+    } else if (aligned <= alignof(std::max_align_t)) {
+        block = std::malloc(std::max<std::size_t>(bytes, 1));
+    } else if (::posix_memalign(&block, aligned, bytes) != 0) {
+        block = nullptr;
+    }
     if (block == nullptr) throw std::bad_alloc();
     return block;
+}
+
+void* operator new(std::size_t bytes) {
+    return ::operator new (bytes, std::align_val_t{alignof(std::max_align_t)});
 }
 
 void operator delete(void* block) noexcept {
@@ -225,6 +237,14 @@ void operator delete(void* block) noexcept {
 }
 
 void operator delete(void* block, std::size_t) noexcept {
+    ::operator delete(block);
+}
+
+void operator delete(void* block, std::align_val_t) noexcept {
+    ::operator delete(block);
+}
+
+void operator delete(void* block, std::size_t, std::align_val_t) noexcept {
     ::operator delete(block);
 }
 // NOLINTEND(misc-new-delete-overloads)

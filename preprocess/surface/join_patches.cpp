@@ -1,7 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <memory_resource>
 #include <queue>
-#include <unordered_map>
 
 #include "preprocess/surface/normal_patches.h"
 #include "preprocess/surface/parity_forest.h"
@@ -18,11 +19,20 @@ struct Candidate {
     }
 };
 
+/// What a root has to say about others, as seen from it.
+using Links = std::pmr::map<std::uint32_t, float>;
+
+constexpr std::size_t kLinkBytes = 64;  // at most, of one in its map
+
+/// Links lie in blocks at least this large, bytes, which may lie on disk where memory is short.
+constexpr std::size_t kBlock = std::size_t{1} << 22;
+
 }  // namespace
 
 std::vector<std::uint32_t> join_patches(std::size_t count, const std::vector<PatchLink>& links) {
-    // What each root has to say about the others, all as seen from the roots.
-    std::vector<std::unordered_map<std::uint32_t, float>> links_of(count);
+    std::pmr::monotonic_buffer_resource blocks(kBlock);
+    std::pmr::unsynchronized_pool_resource pool({0, kLinkBytes}, &blocks);
+    std::pmr::vector<Links> links_of(count, &pool);
     for (const PatchLink& link : links) {
         links_of[link.a][link.b] += link.agreement;
         links_of[link.b][link.a] += link.agreement;
@@ -54,7 +64,7 @@ std::vector<std::uint32_t> join_patches(std::size_t count, const std::vector<Pat
             links_of[other][root] = sum;
             offer(root, other, sum);
         }
-        links_of[gone] = {};
+        Links(&pool).swap(links_of[gone]);
     }
     std::vector<std::uint32_t> components(count);
     for (std::uint32_t patch = 0; patch < count; ++patch) {

@@ -13,6 +13,7 @@ namespace {
 
 /// Points of a block: their neighbours' links fit in a core's cache.
 constexpr std::size_t kBlock = 2048;
+constexpr std::size_t kBlocksAtOnce = 64;  // whose links are put together before the next ones
 
 /// Agreement that joins two points to a patch; less joins only crumbs of fewer points than this.
 constexpr float kSure = 0.95f;
@@ -148,27 +149,31 @@ std::vector<PatchLink> link_neighbours(const SurfacePoints& points, const Neighb
                                        const std::vector<LocalPlane>& planes,
                                        const NormalPatches& patches, float noise) {
     const std::size_t n = points.size(), blocks = block_count(n);
-    std::vector<std::vector<PatchLink>> of_block(blocks);
-    tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
-        std::vector<PatchLink> own;
-        for (std::size_t i = block * kBlock; i < std::min((block + 1) * kBlock, n); ++i) {
-            if (patches.of[i] == kNoPatch) continue;
-            for (const std::uint32_t j : table.of(i)) {
-                if (patches.of[j] == kNoPatch || patches.of[i] >> 1 == patches.of[j] >> 1) continue;
-                const Agreement a = agreement(points, planes, i, j, noise);
-                if (std::abs(a.side) < kSilent) continue;
-                const bool opposite = (patches.of[i] ^ patches.of[j]) & 1;
-                const float said = a.side * (kCorner + (1.0f - kCorner) * a.smooth);
-                own.push_back({patches.of[i] >> 1, patches.of[j] >> 1, opposite ? -said : said});
-            }
-        }
-        own = sum_links(std::move(own));
-        of_block[block].assign(own.begin(), own.end());  // few are left: no room for more
-    });
     std::vector<PatchLink> links;
-    for (std::vector<PatchLink>& some : of_block) {
-        links.insert(links.end(), some.begin(), some.end());
-        some = {};
+    std::vector<std::vector<PatchLink>> of_block(std::min(blocks, kBlocksAtOnce));
+    for (std::size_t first = 0; first < blocks; first += kBlocksAtOnce) {
+        const std::size_t count = std::min(blocks - first, kBlocksAtOnce);
+        tbb::parallel_for(std::size_t{0}, count, [&](std::size_t b) {
+            std::vector<PatchLink>& own = of_block[b];
+            own.clear();
+            const std::size_t begin = (first + b) * kBlock, end = std::min(begin + kBlock, n);
+            for (std::size_t i = begin; i < end; ++i) {
+                if (patches.of[i] == kNoPatch) continue;
+                for (const std::uint32_t j : table.of(i)) {
+                    if (patches.of[j] == kNoPatch || patches.of[i] >> 1 == patches.of[j] >> 1)
+                        continue;
+                    const Agreement a = agreement(points, planes, i, j, noise);
+                    if (std::abs(a.side) < kSilent) continue;
+                    const bool opposite = (patches.of[i] ^ patches.of[j]) & 1;
+                    const float said = a.side * (kCorner + (1.0f - kCorner) * a.smooth);
+                    own.push_back(
+                        {patches.of[i] >> 1, patches.of[j] >> 1, opposite ? -said : said});
+                }
+            }
+            own = sum_links(std::move(own));
+        });
+        for (std::size_t b = 0; b < count; ++b)
+            links.insert(links.end(), of_block[b].begin(), of_block[b].end());
     }
     return sum_links(std::move(links));
 }
