@@ -25,29 +25,33 @@ layout(std430, binding = BINDING_LIGHTS) readonly buffer Lights { Light lights[]
 uint lamp_bit(uint lamp) { return 1u << (lamp % LAMPS_IN_GROUP); }
 
 // Blender's spot: I cos(theta) smoothstep over the outer part of the cone. 1 on the axis.
-float spot_falloff(float cosine, float cosine_edge, float blend) {
-    float t = (cosine - cosine_edge) / max((1.0f - cosine_edge) * blend, 1e-6f);
-    t = clamp(t, 0.0f, 1.0f);
+ANY_FLOAT spot_falloff(ANY_FLOAT cosine, float cosine_edge, float blend) {
+    ANY_FLOAT t = (cosine - cosine_edge) / max((1.0f - cosine_edge) * blend, 1e-6f);
+    t = min(max(t, 0.0f), 1.0f);
     return max(cosine, 0.0f) * t * t * (3.0f - 2.0f * t);
 }
 
+// Irradiance by unit intensity, 1/m2, from a lamp without extent at a surface point that sees it.
+ANY_FLOAT share_of_lamp(Light light, ANY_VEC3 position, ANY_VEC3 normal) {
+    ANY_VEC3 to_lamp = vec3(light.position) - position;
+    ANY_FLOAT per_metre = inversesqrt(max(dot(to_lamp, to_lamp), 1e-12f));
+    ANY_FLOAT share = max(dot(normal, to_lamp), 0.0f) * per_metre * (per_metre * per_metre);
+    if (light.kind == LIGHT_SPOT) {
+        share *= spot_falloff(-dot(to_lamp, vec3(light.axis)) * per_metre, light.axis.w,
+                              light.edge_u.w);
+    }
+    return share;
+}
+
 vec3 irradiance_from_lamp(Light light, vec3 position, vec3 normal, float offset) {
-    vec3 to_lamp = vec3(light.position) - position;
-    float squared = dot(to_lamp, to_lamp);
-    vec3 direction = to_lamp * inversesqrt(max(squared, 1e-12f));
-    float cosine = dot(normal, direction);
-    if (cosine <= 0.0f) return vec3(0.0f);
-    float shape = light.kind == LIGHT_SPOT
-                      ? spot_falloff(-dot(direction, vec3(light.axis)), light.axis.w,
-                                     light.edge_u.w)
-                      : 1.0f;
-    if (shape <= 0.0f) return vec3(0.0f);
+    float share = share_of_lamp(light, position, normal);
+    if (share <= 0.0f) return vec3(0.0f);
     if (!IN_FULL_VIEW &&
         !visible_from(position, normal, offset, vec3(light.position), 0u, vec3(0.0f))) {
         return vec3(0.0f);
     }
-    EACH_SAMPLE(direction, shape * cosine / max(squared, 1e-12f));
-    return vec3(light.intensity) * (shape * cosine / max(squared, 1e-12f));
+    EACH_SAMPLE(normalize(vec3(light.position) - position), share);
+    return vec3(light.intensity) * share;
 }
 
 // Of its AREA_SAMPLES rows of samples, those from first_row to before last_row.

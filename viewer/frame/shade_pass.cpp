@@ -18,6 +18,17 @@ namespace gpu {
 namespace {
 
 constexpr uint kBlock = 32;  // pixels along the edge of what one thread shades at once
+constexpr uint kRows = kBlock / kLanes;
+
+/// Pixels side by side in a row of a block, for the lamps without extent.
+struct PixelRow {
+    Vec3s position, normal;
+    Words seen, hidden;  // ShadePass::pixel_lamps
+    Floats lit;          // 1 where light can fall, else 0
+    Vec3s sum;           // irradiance, W/m2
+    Floats share;        // of the lamp at hand
+    Ints open;           // where that is not known to be seen or hidden
+};
 
 /// The pixels of a frame, a block of them at a time, whose shadow rays are traced together.
 struct ShadePass {
@@ -40,6 +51,7 @@ struct ShadePass {
     std::vector<uint> noted = {};        // lobes round corners, those of one after the other
     std::vector<std::size_t> ends = {};  // of each corner's
     std::vector<uvec2> asking = {};      // pixels, or tiles' first ones, that wait for rays
+    std::vector<PixelRow> rows = {};     // of the block at hand, kRows for each of its rows
 
 #define UNOCCLUDED shadows.unoccluded
 #include "shaders/shade_light.glsl"
@@ -174,9 +186,11 @@ struct ShadePass {
     }
 
     /// Up to kLanes pixels of a row of a square, from `at` on, before the lights themselves.
-    void shade_row(uvec2 at, uint count) {
+    PixelRow shade_row(uvec2 at, uint count) {
         Pixel pixels[kLanes];
-        Vec3s position, normal, sum{};
+        PixelRow row{};
+        Vec3s sum{};
+        Vec3s &position = row.position, &normal = row.normal;
         Floats place{}, shares{}, lamp_shares{};
         Words seen = ~Words{}, hidden = ~Words{};
         for (uint lane = 0; lane < kLanes; ++lane) {
@@ -193,13 +207,19 @@ struct ShadePass {
         for (uint lane = 0; lane < count; ++lane) {
             const Pixel& pixel = pixels[lane];
             const bool hit = pixel.surface.w > 0.0f;
-            pixel_lamps[pixel.index] =
+            const uvec2 lamps =
                 hit ? lamps_of_pixel(seen[lane], hidden[lane], lamp_shares[lane]) : uvec2(0u);
-            if (lamp_group > 0) continue;
-            const vec3 reflected(sum.x[lane], sum.y[lane], sum.z[lane]);
-            shade_surface(pixel,
-                          hit ? irradiance_of_pixel(pixel, reflected, shares[lane]) : vec3(0.0f));
+            pixel_lamps[pixel.index] = lamps;
+            row.seen[lane] = lamps.x;
+            row.hidden[lane] = lamps.y;
+            if (lamp_group == 0) {
+                const vec3 reflected(sum.x[lane], sum.y[lane], sum.z[lane]);
+                shade_surface(
+                    pixel, hit ? irradiance_of_pixel(pixel, reflected, shares[lane]) : vec3(0.0f));
+            }
+            row.lit[lane] = can_be_lit(pixel) ? 1.0f : 0.0f;
         }
+        return row;
     }
 
     /// Has `visit` work on what it is called with twice where it asks for shadow rays: what it
@@ -245,27 +265,110 @@ struct ShadePass {
         for_each_pixel([&](uvec2 at) { direct[at.y * view.width + at.x].w = seen; });
     }
 
-    void shade_block(uvec2 begin, uvec2 end) {
+    /// Has `visit` called with all of a block's rows of pixels and the first pixel of each.
+    template <typename Visit>
+    void for_each_row(uvec2 begin, uvec2 end, const Visit& visit) {
         for (uint y = begin.y; y < end.y; ++y) {
             for (uint x = begin.x; x < end.x; x += kLanes)
-                shade_row(uvec2(x, y), std::min(uint{kLanes}, end.x - x));
+                visit(rows[(y - begin.y) * kRows + (x - begin.x) / kLanes], uvec2(x, y));
         }
+    }
+
+    /// A lamp without extent: shade_light() for all pixels of a block, some at once.
+    void add_lamp(uvec2 begin, uvec2 end) {
+        const Light lamp = lights[light];
+        const vec3 at(lamp.position);
+        bool open_tiles[kBlock / kTile][kBlock / kTile] = {};
+        for_each_row(begin, end, [&](PixelRow& row, uvec2 first) {
+            const Ints steep = above_grazing(row.normal, at - row.position) > 0.0f;
+            const Ints seen = steep & ((row.seen & lamp_bit(light)) != 0u);
+            const Ints hidden = steep & ((row.hidden & lamp_bit(light)) != 0u) & ~seen;
+            row.share = share_of_lamp(lamp, row.position, row.normal) * row.lit;
+            row.share = hidden ? Floats{} : row.share;
+            row.open = (row.share > 0.0f) & ~seen;
+            const uvec2 tile = (first - begin) / kTile;
+            open_tiles[tile.y][tile.x] |= any_of(row.open);
+        });
+        const auto is_open = [&](uvec2 first) {
+            const uvec2 tile = (first - begin) / kTile;
+            return open_tiles[tile.y][tile.x];
+        };
+        shadows.ask();
+        const auto look = [&](uvec2 tile) { look_together(tile, end); };
+        for (uint y = begin.y; y < end.y; y += kTile) {
+            for (uint x = begin.x; x < end.x; x += kTile)
+                if (is_open(uvec2(x, y))) with_shadows(uvec2(x, y), look);
+        }
+        answer(look);
+        const auto trace = [&](uvec2 pixel) {
+            PixelRow& row = rows[(pixel.y - begin.y) * kRows + (pixel.x - begin.x) / kLanes];
+            const uint lane = (pixel.x - begin.x) % kLanes;
+            const vec3 position(row.position.x[lane], row.position.y[lane], row.position.z[lane]);
+            const vec3 normal(row.normal.x[lane], row.normal.y[lane], row.normal.z[lane]);
+            row.open[lane] =
+                visible_from(position, normal, kPointOffset * grid.voxel_size, at, 0u, vec3(0.0f))
+                    ? 0
+                    : -1;
+        };
+        for_each_row(begin, end, [&](PixelRow& row, uvec2 first) {
+            if (!is_open(first) || !any_of(row.open)) return;
+            for (uint lane = 0; lane < kLanes && first.x + lane < end.x; ++lane) {
+                if (row.open[lane] == 0) continue;
+                const float seen = direct[first.y * view.width + first.x + lane].w;
+                if (seen == kInFullView) row.open[lane] = 0;
+                if (seen == kPartlySeen) with_shadows(first + uvec2(lane, 0u), trace);
+            }
+        });
+        answer(trace);
+        for_each_row(begin, end, [&](PixelRow& row, uvec2) {
+            row.sum += (row.open ? Floats{} : row.share) * vec3(lamp.intensity);
+        });
+    }
+
+    /// Adds up what the lamps without extent gave.
+    void add_lamps_to_pixels(uvec2 begin, uvec2 end) {
+        for_each_row(begin, end, [&](PixelRow& row, uvec2 first) {
+            for (uint lane = 0; lane < kLanes && first.x + lane < end.x; ++lane) {
+                const uint i = first.y * view.width + first.x + lane;
+                const vec3 irradiance(row.sum.x[lane], row.sum.y[lane], row.sum.z[lane]);
+                const vec3 reflected = kReflects * vec3{albedos[i]};
+                const vec4 added(reflected * irradiance, 0.0f);
+                direct[i] += added;
+                beauty[i] += added;
+            }
+        });
+    }
+
+    /// An area light on all pixels of a block.
+    void add_area_light(uvec2 begin, uvec2 end) {
+        shadows.ask();
+        const auto look = [&](uvec2 tile) { look_together(tile, end); };
+        for (uint y = begin.y; y < end.y; y += kTile) {
+            for (uint x = begin.x; x < end.x; x += kTile)
+                with_shadows(uvec2(x, y), look);
+        }
+        answer(look);
+        const auto shade = [&](uvec2 at) { shade_light(at, 0, AREA_SAMPLES); };
+        for (uint y = begin.y; y < end.y; ++y) {
+            for (uint x = begin.x; x < end.x; ++x)
+                with_shadows(uvec2(x, y), shade);
+        }
+        answer(shade);
+    }
+
+    void shade_block(uvec2 begin, uvec2 end) {
+        rows.resize(kBlock * kRows);
+        for_each_row(begin, end, [&](PixelRow& row, uvec2 first) {
+            row = shade_row(first, std::min(uint{kLanes}, end.x - first.x));
+        });
         for (light = first_of_group(); light < end_of_group(); ++light) {
-            const bool area = lights[light].kind == LIGHT_AREA;
-            shadows.ask();
-            const auto look = [&](uvec2 tile) { look_together(tile, end); };
-            for (uint y = begin.y; area && y < end.y; y += kTile) {
-                for (uint x = begin.x; x < end.x; x += kTile)
-                    with_shadows(uvec2(x, y), look);
+            if (lights[light].kind == LIGHT_AREA) {
+                add_area_light(begin, end);
+            } else {
+                add_lamp(begin, end);
             }
-            answer(look);
-            const auto shade = [&](uvec2 at) { shade_light(at, 0, area ? AREA_SAMPLES : 1); };
-            for (uint y = begin.y; y < end.y; ++y) {
-                for (uint x = begin.x; x < end.x; ++x)
-                    with_shadows(uvec2(x, y), shade);
-            }
-            answer(shade);
         }
+        add_lamps_to_pixels(begin, end);
     }
 };
 

@@ -17,7 +17,7 @@ std::size_t corners_of(int pixels) {
     return static_cast<std::size_t>(pixels / SHADE_TILE + 2);
 }
 
-constexpr std::int32_t kLookRow = -1;  // shade_light.comp: how much of an area light is seen
+constexpr std::int32_t kLookRow = -1;  // shade_light.comp: how much of the light is seen
 
 }  // namespace
 
@@ -102,10 +102,8 @@ void Shading::draw_by_shaders(const GBuffer& gbuffer, const LightField& light, c
             look_up_lamps(i / LAMPS_IN_GROUP);
         set_uniform(passes.light, 0, i);
         const bool area = light.direct().lights()[i].kind == LIGHT_AREA;
-        if (area) {
-            set_uniform(passes.light, 1, kLookRow);
-            run(passes.light);
-        }
+        set_uniform(passes.light, 1, kLookRow);
+        run(passes.light);
         for (std::int32_t row = 0; row < (area ? rows : 1); row += AREA_ROWS_AT_ONCE) {
             set_uniform(passes.light, 1, row);
             set_uniform(passes.light, 2, std::min(row + AREA_ROWS_AT_ONCE, rows));

@@ -27,6 +27,13 @@ inline Floats abs(Floats a) {
     return a < 0.0f ? -a : a;
 }
 
+inline Floats inversesqrt(Floats a) {
+    Floats root{};
+    for (int lane = 0; lane < kLanes; ++lane)
+        root[lane] = std::sqrt(a[lane]);
+    return 1.0f / root;
+}
+
 /// e to the power of values in -87..0, to 2e-7 of it: 2^n times a polynomial of what is left.
 inline Floats exp(Floats values) {
     const Floats binary = values * 1.44269504f;
