@@ -17,8 +17,8 @@ namespace glowworm::ray_lanes {
 #define GLOWWORM_INLINE inline __attribute__((always_inline))
 
 constexpr int kWidth = 8;   // numbers in a register
-constexpr int kGroups = 2;  // registers that walk together: one waits while the other reckons
-constexpr int kLanes = kWidth * kGroups;
+constexpr int kGroups = 4;  // registers that walk together: one waits while another reckons
+constexpr int kLanes = kWidth * kGroups;  // up to 32: a bit each
 
 using Floats [[gnu::vector_size(4 * kWidth), gnu::may_alias]] = float;
 using Ints [[gnu::vector_size(4 * kWidth), gnu::may_alias]] = std::int32_t;
@@ -45,7 +45,7 @@ struct Walks {
     Row<std::int32_t> size;         // of the cell that the next step leaves
     Row<std::int32_t> ended;        // all bits where the last step left the cube or the ray
     Row<std::uint32_t> brick, bit;  // where Occupancy knows of the cell
-    Row<std::int32_t> is_leaf;      // 1 where it holds a leaf, else 0
+    Row<std::int32_t> is_leaf;      // all bits where it holds a leaf
 };
 
 /// Puts a ray into a lane. False where it misses the cube.
@@ -135,7 +135,7 @@ GLOWWORM_INLINE void look_up(const Occupancy& occupancy, int group, Walks& w) {
     }
     const Words alone = reinterpret_cast<Words>((cells >> (bit & 24u) & 255u) == 0u);
     w.size.group<Words>(group) = size + (size & alone);
-    w.is_leaf.group<Words>(group) = cells >> (bit & 31u) & 1u;
+    w.is_leaf.group<Words>(group) = -(cells >> (bit & 31u) & 1u);
     w.brick.group<Words>(group) = brick;
     w.bit.group<Words>(group) = bit;
 }

@@ -2,6 +2,8 @@
 
 #include "octree/ray_lanes.h"
 #include "octree/ray_leaves.h"
+#include "octree/ray_leaves_together.h"
+#include "octree/ray_rules.h"
 #include "octree/wide.h"
 
 namespace glowworm {
@@ -10,105 +12,19 @@ namespace {
 
 using namespace ray_lanes;
 
-constexpr float kLeastBehind = 2.0f;  // trace.cpp says what these are
-constexpr float kSameSurface = 0.5f;
-constexpr float kLampHeight = 0.5f;
-constexpr float kLampCosine = 0.8f;
-
-/// The rule of trace_ray().
-struct FirstFront {
-    std::span<const Ray> rays;
-    std::span<std::uint32_t> lobes;
-    std::uint32_t candidate[2][kLanes];
-
-    GLOWWORM_INLINE std::size_t size() const { return rays.size(); }
-    GLOWWORM_INLINE const Ray& ray(std::size_t i) const { return rays[i]; }
-    GLOWWORM_INLINE void begin(int bundle, int lane) { candidate[bundle][lane] = kNoHit; }
-    GLOWWORM_INLINE void move(int bundle, int from, int to) {
-        candidate[bundle][to] = candidate[bundle][from];
-    }
-    GLOWWORM_INLINE void end(int bundle, int lane, std::size_t i) {
-        lobes[i] = candidate[bundle][lane];
-    }
-
-    /// Whether the ray ends in the leaf.
-    GLOWWORM_INLINE bool pass(const RayTracer::Patch* patches, std::uint32_t leaf,
-                              const RaysInLanes& in, int bundle, int lane, std::size_t i,
-                              Axes corner, const LeafSize& leaf_size) {
-        float nearest = in.origin[lane][3];
-        std::uint32_t hit = kNoHit;
-        bool behind = false;
-        std::uint32_t passed = candidate[bundle][lane];
-        visit_leaf(
-            patches, leaf, in, lane, corner, leaf_size,
-            [&](const RayTracer::Patch& patch, const PlaneHit& h, const auto& met)
-                __attribute__((always_inline)) {
-                    const float t_min = h.facing > kSameSurface ? in.direction[lane][3] : 0.0f;
-                    if (bool(int(h.t >= t_min) & int(h.t < nearest) & int(h.on_patch)) && met()) {
-                        nearest = h.t;
-                        hit = patch.lobe;
-                        // a lamp's back is black, not rock
-                        behind = h.slope > 0.0f && patch.light == 0;
-                    } else {
-                        const bool front =
-                            int(h.slope < 0.0f) & int(passed == kNoHit) & int(h.ahead > t_min);
-                        passed = front ? patch.lobe : passed;
-                    }
-                    return false;
-                });
-        candidate[bundle][lane] = passed;
-        if (hit == kNoHit) return false;
-        lobes[i] = !behind ? hit : passed != kNoHit ? passed : kBuried;
-        return true;
-    }
-};
-
-/// The rule of is_unoccluded().
-struct AnythingBetween {
-    std::span<const ShadowRay> rays;
-    std::span<std::uint8_t> seen;
-    float edge;  // m
-
-    GLOWWORM_INLINE std::size_t size() const { return rays.size(); }
-    GLOWWORM_INLINE const Ray& ray(std::size_t i) const { return rays[i].ray; }
-    GLOWWORM_INLINE void begin(int, int) {}
-    GLOWWORM_INLINE void move(int, int, int) {}
-    GLOWWORM_INLINE void end(int, int, std::size_t i) { seen[i] = 1; }
-
-    GLOWWORM_INLINE bool pass(const RayTracer::Patch* patches, std::uint32_t leaf,
-                              const RaysInLanes& in, int, int lane, std::size_t i, Axes corner,
-                              const LeafSize& leaf_size) {
-        const ShadowTarget& target = rays[i].target;
-        const bool blocked = visit_leaf(
-            patches, leaf, in, lane, corner, leaf_size,
-            [&](const RayTracer::Patch& patch, const PlaneHit& h, const auto& met)
-                __attribute__((always_inline)) {
-                    if (patch.light != 0 && patch.light == target.light) return false;
-                    const bool same = h.facing > kSameSurface;
-                    float least = same ? in.direction[lane][3] : 0.0f;
-                    if (same && h.slope > 0.0f) least = std::max(least, kLeastBehind * edge);
-                    if (!bool(int(h.t >= least) & int(h.t <= in.origin[lane][3]) & int(h.on_patch)))
-                        return false;
-                    if (!met()) return false;
-                    const Ray& r = rays[i].ray;
-                    const Vec3f end = r.origin + r.direction * r.t_max;
-                    const Vec3f point{h.point[0], h.point[1], h.point[2]};
-                    return std::abs(dot(target.normal, point - end)) >= kLampHeight * edge ||
-                           std::abs(dot(target.normal, patch.ndf)) <= kLampCosine;
-                });
-        if (blocked) seen[i] = 0;
-        return blocked;
-    }
-};
-
 /// Lanes that are looked up together and advance together.
 struct Bundle {
     Walks walks;
     RaysInLanes rays;
     std::size_t ray_of[kLanes];
-    std::uint32_t leaf[kLanes];
-    int at_leaf[kLanes];  // lanes
+    std::uint32_t leaf[kLanes];   // by lane
+    int at_leaf[kLanes];          // lanes
+    Row<std::int32_t> corner[3];  // cells of those leaves
     int leaves = 0, busy = 0;
+
+    GLOWWORM_INLINE std::uint32_t busy_lanes() const {
+        return static_cast<std::uint32_t>((std::uint64_t{1} << busy) - 1u);
+    }
 };
 
 }  // namespace
@@ -117,7 +33,7 @@ template <typename Rule>
 GLOWWORM_INLINE void RayTracer::walk(Rule& rule) const {
     const auto cells = static_cast<std::int32_t>(1u << grid_.depth);
     const float edge = grid_.voxel_size();
-    const Axes cube_min = axes(grid_.cube_min);
+    const float cube_min[3] = {grid_.cube_min.x, grid_.cube_min.y, grid_.cube_min.z};
     const LeafSize leaf_size{everywhere(0.5f * edge), everywhere(settings_.reach * edge)};
     Bundle bundles[2] = {};
     std::size_t next = 0;
@@ -144,43 +60,59 @@ GLOWWORM_INLINE void RayTracer::walk(Rule& rule) const {
         for (int group = 0; group < kGroups; ++group)
             look_up(occupancy_, group, in.walks);
         in.leaves = 0;
-        for (int lane = 0; lane < in.busy; ++lane) {
-            in.at_leaf[in.leaves] = lane;
-            in.leaves += in.walks.is_leaf.lane[lane];
+        const std::uint32_t leaves = signs(in.walks.is_leaf.lane, kLanes) & in.busy_lanes();
+        for_each_bit(
+            leaves, [&](int lane) __attribute__((always_inline)) {
+                const Occupancy::Brick& brick = occupancy_.bricks[in.walks.brick.lane[lane]];
+                in.leaf[lane] = brick.first + Occupancy::before(brick, in.walks.bit.lane[lane]);
+                __builtin_prefetch(&patches_[in.leaf[lane]]);
+                for (int a = 0; a < 3; ++a)
+                    in.corner[a].lane[in.leaves] = in.walks.cell[a].lane[lane];
+                in.at_leaf[in.leaves++] = lane;
+            });
+    };
+    const auto meet_leaves = [&](int b) __attribute__((always_inline)) {
+        Bundle& in = bundles[b];
+        std::uint32_t met = 0;
+        for (int first = 0; first < in.leaves; first += kWidth) {
+            LeavesTogether leaves;
+            const int count = std::min(in.leaves - first, kWidth);
+            leaves.all = (1u << count) - 1u;
+            for (int k = 0; k < kWidth; ++k) {
+                leaves.lane[k] = in.at_leaf[first + (k < count ? k : 0)];
+                leaves.patch[k] = &patches_[in.leaf[leaves.lane[k]]];
+            }
+            Floats corner[3];
+            for (int a = 0; a < 3; ++a) {
+                const Ints cell = in.corner[a].group<Ints>(first / kWidth);
+                corner[a] = cube_min[a] + __builtin_convertvector(cell, Floats) * edge;
+            }
+            PlaneHits hits;
+            meet_together(leaves, in.rays, corner, leaf_size.half[0], leaf_size.reach[0], hits);
+            std::uint32_t ended = rule.pass(leaves, hits, in.rays, b, in.ray_of);
+            for_each_bit(
+                leaves.all & ~hits.single, [&](int k) __attribute__((always_inline)) {
+                    const int lane = leaves.lane[k];
+                    const Axes at{corner[0][k], corner[1][k], corner[2][k], 0.0f};
+                    if (rule.pass(patches_.data(), in.leaf[lane], in.rays, b, lane, in.ray_of[lane],
+                                  at, leaf_size))
+                        ended |= 1u << k;
+                });
+            for_each_bit(
+                ended, [&](int k) __attribute__((always_inline)) { met |= 1u << leaves.lane[k]; });
         }
-        for (int i = 0; i < in.leaves; ++i) {
-            const int lane = in.at_leaf[i];
-            const Occupancy::Brick& brick = occupancy_.bricks[in.walks.brick.lane[lane]];
-            in.leaf[lane] = brick.first + Occupancy::before(brick, in.walks.bit.lane[lane]);
-            __builtin_prefetch(&patches_[in.leaf[lane]]);
-        }
+        return met;
     };
     const auto advance = [&](int b) __attribute__((always_inline)) {
         Bundle& in = bundles[b];
-        Row<std::int32_t> met;
-        for (int group = 0; group < kGroups; ++group)
-            met.group<Ints>(group) = Ints{};
-        for (int i = 0; i < in.leaves; ++i) {
-            const int lane = in.at_leaf[i];
-            const AxisBits cell = {in.walks.cell[0].lane[lane], in.walks.cell[1].lane[lane],
-                                   in.walks.cell[2].lane[lane], 0};
-            const Axes corner = cube_min + __builtin_convertvector(cell, Axes) * edge;
-            met.lane[lane] = rule.pass(patches_.data(), in.leaf[lane], in.rays, b, lane,
-                                       in.ray_of[lane], corner, leaf_size)
-                                 ? 1
-                                 : 0;
-        }
+        const std::uint32_t met = meet_leaves(b);
         for (int group = 0; group < kGroups; ++group)
             step(cells, group, in.walks);
-        int ended[kLanes];
-        int ends = 0;
-        for (int lane = in.busy - 1; lane >= 0; --lane) {
-            ended[ends] = lane;
-            ends += (met.lane[lane] | in.walks.ended.lane[lane]) != 0 ? 1 : 0;
-        }
-        for (int i = 0; i < ends; ++i) {
-            const int lane = ended[i];
-            if (met.lane[lane] == 0) rule.end(b, lane, in.ray_of[lane]);
+        std::uint32_t ended = (met | signs(in.walks.ended.lane, kLanes)) & in.busy_lanes();
+        while (ended != 0) {  // the last lane first
+            const int lane = static_cast<int>(std::bit_width(ended)) - 1;
+            ended ^= 1u << lane;
+            if ((met >> lane & 1u) == 0) rule.end(b, lane, in.ray_of[lane]);
             if (refill(b, lane)) continue;
             // Busy lanes stay the first ones.
             const int last = --in.busy;
