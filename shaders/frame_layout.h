@@ -35,6 +35,8 @@ namespace glowworm::gpu {
 #define RIM_TILE 8
 // And of those that the depth pyramid (viewer/frame/occlusion.h) begins with.
 #define DEPTH_TILE 8
+// And of those that know how wide discs are there.
+#define WIDTH_TILE 32
 
 // The camera of viewer/frame/view.h, in the octree's frame.
 struct ViewBlock {

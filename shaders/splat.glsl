@@ -19,8 +19,12 @@ struct Splat {
     vec3 form;       // xx, xy, yy: per pixel squared
 };
 
-// Whether a sphere lies outside the pyramid of a pinhole's picture. Without this, one beside the eye,
-// barely in front of it, would be taken to reach across the whole picture.
+#ifndef IS_HIDDEN
+#define IS_HIDDEN(centre, radius) false   // whether a sphere is known to lie behind what is drawn
+#endif
+
+// Whether a sphere lies outside the pyramid of a pinhole's picture: one beside the eye, barely in front
+// of it, would be taken to reach across the whole picture.
 bool beside_picture(vec3 centre, float radius) {
     if (view_is_orthographic()) return false;
     vec2 axis = vec2(view.down.w, view.forward.w);
@@ -48,9 +52,8 @@ vec4 picture_of_sphere(vec3 centre, float radius) {
                 axis + (across * centre.z + spread) / ahead * view.position.w);
 }
 
-// False where nothing of the disc can be seen: behind the eye or turned away.
+// `centre` lies in front of the eye. False where the disc is turned away.
 bool make_splat(vec3 centre, vec3 normal, float radius, OUT(Splat) splat) {
-    if (centre.z <= kNearDepth) return false;
     bool orthographic = view_is_orthographic();
     vec3 to_eye = orthographic ? vec3(0.0f, 0.0f, -1.0f) : -normalize(centre);
     float cosine = dot(normal, to_eye);
@@ -76,8 +79,10 @@ bool make_splat(vec3 centre, vec3 normal, float radius, OUT(Splat) splat) {
     return true;
 }
 
-// The disc of a surfel that is the `rank`-th of its chunk; false where there is none to draw.
-bool splat_of(PackedSurfel surfel, uint rank, DrawnChunk chunk, OUT(Splat) splat) {
+// The disc of a surfel that is the `rank`-th of its chunk, and the surfel's normal, camera space; false
+// where there is none to draw.
+bool splat_of(PackedSurfel surfel, uint rank, DrawnChunk chunk, OUT(Splat) splat,
+              OUT(vec3) normal) {
     if (surfel_light(surfel) != 0u) return false;   // panels are drawn as exact rectangles
     vec3 position = surfel_position(surfel, chunk.box);
     if (any(lessThan(position, vec3(view.clip_low))) ||
@@ -88,8 +93,12 @@ bool splat_of(PackedSurfel surfel, uint rank, DrawnChunk chunk, OUT(Splat) splat
     vec3 centre = camera_from_octree(position);
     float farther = max(centre.z / chunk.full_depth, 1.0f);
     if (float(rank) * farther * farther >= float(chunk.count)) return false;
-    return make_splat(centre, camera_from_octree_direction(surfel_normal(surfel)),
-                      surfel_radius(surfel) * chunk.scale * farther, splat);
+    if (centre.z <= kNearDepth) return false;
+    float radius = surfel_radius(surfel) * chunk.scale * farther;
+    float reach = kGapGrowth * max(radius, kSmallestRadius / pixels_per_metre(centre.z));
+    if (beside_picture(centre, reach) || IS_HIDDEN(centre, reach)) return false;
+    normal = camera_from_octree_direction(surfel_normal(surfel));
+    return make_splat(centre, normal, radius, splat);
 }
 
 // The pixels within which a disc counts up to `reach` times its radius: lowest, highest. Those of its

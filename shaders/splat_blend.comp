@@ -3,8 +3,8 @@
 #include "frame_layout.h"
 #include "view.glsl"
 #include "surfel.glsl"
-#include "splat.glsl"
 #include "rims.glsl"
+#include "splat.glsl"
 #include "surface_sums.glsl"
 #include "splat_input.glsl"
 #include "pixel_sums.glsl"
@@ -27,10 +27,10 @@ bool any_rim(ivec4 box) { return true; }
 void main() {
     PackedSurfel surfel;
     Splat splat;
-    if (!this_splat(surfel, splat)) return;
+    vec3 normal;
+    if (!this_splat(surfel, splat, normal)) return;
     ivec4 box = splat_box(splat, kReach);
     if (is_empty_box(box) || !any_rim(box)) return;
-    vec3 normal = camera_from_octree_direction(surfel_normal(surfel));
     vec3 albedo = surfel_albedo(surfel);
     float ndf_length = surfel_ndf_length(surfel);
 

@@ -3,8 +3,8 @@
 #include "frame_layout.h"
 #include "view.glsl"
 #include "surfel.glsl"
-#include "splat.glsl"
 #include "rims.glsl"
+#include "splat.glsl"
 #include "splat_input.glsl"
 
 // The nearest disc at each pixel: the bits of a positive float keep its order. With BEHIND_RIMS, the
@@ -20,14 +20,33 @@ const float kReach = kGapGrowth;
 const float kReach = 1.0;
 bool any_rim(ivec4 box) { return true; }
 #define REACH_AT(pixel, depth, radius) 1.0
+layout(std430, binding = BINDING_DEPTH_TILES) buffer depth_tiles { uint tiles[]; };
+
+// Keeps how wide the widest disc is that touches a square, behind the depths of the pyramid's squares.
+void note_width(ivec4 box) {
+    uvec2 size = uvec2(view.width, view.height);
+    uvec2 depths_there = (size + DEPTH_TILE - 1u) / DEPTH_TILE;
+    uint columns = (view.width + WIDTH_TILE - 1u) / WIDTH_TILE;
+    uint width = uint(max(box.z - box.x, box.w - box.y) + 1);
+    for (int y = box.y / WIDTH_TILE; y <= box.w / WIDTH_TILE; ++y) {
+        for (int x = box.x / WIDTH_TILE; x <= box.z / WIDTH_TILE; ++x) {
+            uint at = depths_there.x * depths_there.y + uint(y) * columns + uint(x);
+            if (width > tiles[at]) atomicMax(tiles[at], width);
+        }
+    }
+}
 #endif
 
 void main() {
     PackedSurfel surfel;
     Splat splat;
-    if (!this_splat(surfel, splat)) return;
+    vec3 normal;
+    if (!this_splat(surfel, splat, normal)) return;
     ivec4 box = splat_box(splat, kReach);
     if (is_empty_box(box) || !any_rim(box)) return;
+#ifndef BEHIND_RIMS
+    note_width(box);
+#endif
 
     for (int y = box.y; y <= box.w; ++y) {
         for (int x = box.x; x <= box.z; ++x) {

@@ -6,12 +6,13 @@ layout(std430, binding = BINDING_SPLAT_BATCHES) readonly buffer splat_batches { 
 layout(location = 0) uniform uint batch_count;
 layout(location = 1) uniform uint first_batch;
 
-// This invocation's surfel and its disc; false where there is none to draw.
-bool this_splat(out PackedSurfel surfel, out Splat splat) {
+// This invocation's surfel, its disc and normal; false where there is none to draw.
+bool this_splat(out PackedSurfel surfel, out Splat splat, out vec3 normal) {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     if (group >= batch_count) return false;
     SplatBatch batch = batches[first_batch + group];
     if (gl_LocalInvocationID.x >= batch.count) return false;
     surfel = surfels[batch.first + gl_LocalInvocationID.x];
-    return splat_of(surfel, batch.rank + gl_LocalInvocationID.x, chunks[batch.chunk], splat);
+    return splat_of(surfel, batch.rank + gl_LocalInvocationID.x, chunks[batch.chunk], splat,
+                    normal);
 }

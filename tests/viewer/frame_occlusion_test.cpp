@@ -74,6 +74,25 @@ TEST(DepthPyramid, HidesWhatLiesBehindAWallAndNothingElse) {
     EXPECT_TRUE(hidden(holed, {-6, 8, 3}));
 }
 
+TEST(DepthPyramid, LooksAsFarRoundASquareAsDiscsThereAreWide) {
+    std::vector<float> post(80, 9.0f);
+    for (int row = 0; row < 8; ++row) {
+        for (int column = 2; column < 9; ++column)
+            post[static_cast<std::size_t>(row * 10 + column)] = 1.0f;  // 28 pixels to either side
+    }
+    const DepthPyramid narrow(post, 10, 8, 8);
+    std::vector<std::uint32_t> widths(6, 10u);  // of squares of 32 pixels
+    const DepthPyramid wider(post, 10, 8, 8, widths);
+    widths.assign(6, 40u);
+    const DepthPyramid wide(post, 10, 8, 8, widths);
+    const auto hides_a_pebble = [](const DepthPyramid& pyramid) {
+        return is_hidden(pyramid, view_to_the_north(), {}, {{0.5, 5, 0}, {0.05, 0.05, 0.05}}, 0.01);
+    };
+    EXPECT_TRUE(hides_a_pebble(narrow));
+    EXPECT_TRUE(hides_a_pebble(wider));
+    EXPECT_FALSE(hides_a_pebble(wide)) << "all of the post may be the outer parts of discs";
+}
+
 TEST(ChunkBoxes, HoldEverySurfelAndLittleElse) {
     SurfelCloud cloud = testing::dogleg(0.012f);  // more than two chunks' worth
     const Octree octree = build_octree(cloud, {.depth = 5});

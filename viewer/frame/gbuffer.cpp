@@ -97,13 +97,19 @@ void GBuffer::add(const OctreeView& octree, const SurfelCache& cloud,
 DepthPyramid GBuffer::pyramid(PassTimer* timer) {
     const int columns = (shown_.width + DEPTH_TILE - 1) / DEPTH_TILE;
     const int rows = (shown_.height + DEPTH_TILE - 1) / DEPTH_TILE;
-    const auto count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
-    std::vector<float> farthest;
+    const auto count = [](int across, int down, int edge) {
+        return static_cast<std::size_t>((across + edge - 1) / edge) *
+               static_cast<std::size_t>((down + edge - 1) / edge);
+    };
+    if (!by_shaders_) return pass_->pyramid();
+    std::optional<DepthPyramid> pyramid;
     timed(timer, "depth pyramid", [&] {
-        if (by_shaders_) bind();
-        farthest = by_shaders_ ? shaders_->farthest_tiles(count) : pass_->farthest_tiles();
+        bind();
+        auto [depths, widths] = shaders_->tiles(count(shown_.width, shown_.height, DEPTH_TILE),
+                                                count(shown_.width, shown_.height, WIDTH_TILE));
+        pyramid.emplace(std::move(depths), columns, rows, DEPTH_TILE, widths);
     });
-    return {std::move(farthest), columns, rows, DEPTH_TILE};
+    return *std::move(pyramid);
 }
 
 void GBuffer::finish(const SurfelCache& cloud, PassTimer* timer) {

@@ -15,9 +15,30 @@ constexpr double kTooNear = 1e-3;         // m: behind the eye, or so near that 
 
 }  // namespace
 
-DepthPyramid::DepthPyramid(std::vector<float> tiles, int columns, int rows, int tile_edge)
+DepthPyramid::DepthPyramid(std::vector<float> tiles, int columns, int rows, int tile_edge,
+                           std::span<const std::uint32_t> widths)
     : tile_edge_(tile_edge) {
     levels_.push_back({columns, rows, std::move(tiles)});
+    coarsen();
+    Level round{columns, rows, {}};
+    round.farthest.reserve(levels_.front().farthest.size());
+    const int width_columns = (columns + kWidthTiles - 1) / kWidthTiles;
+    for (int y = 0; y < rows; ++y) {
+        for (int x = 0; x < columns; ++x) {
+            const int square = y / kWidthTiles * width_columns + x / kWidthTiles;
+            const int width =
+                widths.empty() ? 0 : static_cast<int>(widths[static_cast<std::size_t>(square)]);
+            const int reach = std::max((width + tile_edge - 1) / tile_edge, 1);
+            round.farthest.push_back(
+                farthest_of_tiles(std::max(x - reach, 0), std::max(y - reach, 0),
+                                  std::min(x + reach, columns - 1), std::min(y + reach, rows - 1)));
+        }
+    }
+    levels_.assign(1, std::move(round));
+    coarsen();
+}
+
+void DepthPyramid::coarsen() {
     while (levels_.back().columns > 1 || levels_.back().rows > 1) {
         const Level& fine = levels_.back();
         Level coarse{(fine.columns + 1) / 2, (fine.rows + 1) / 2, {}};
@@ -39,14 +60,16 @@ float DepthPyramid::farthest(double low_x, double low_y, double high_x, double h
     const auto tile = [&](double pixel, int count) {
         return static_cast<int>(std::clamp(std::floor(pixel / tile_edge_), -2.0, count + 1.0));
     };
-    int left = tile(low_x, finest.columns) - 1, right = tile(high_x, finest.columns) + 1;
-    int top = tile(low_y, finest.rows) - 1, bottom = tile(high_y, finest.rows) + 1;
+    const int left = tile(low_x, finest.columns), right = tile(high_x, finest.columns);
+    const int top = tile(low_y, finest.rows), bottom = tile(high_y, finest.rows);
     if (right < 0 || bottom < 0 || left >= finest.columns || top >= finest.rows) return kNothing;
-    left = std::max(left, 0);
-    top = std::max(top, 0);
-    right = std::min(right, finest.columns - 1);
-    bottom = std::min(bottom, finest.rows - 1);
+    return farthest_of_tiles(std::max(left, 0), std::max(top, 0),
+                             std::min(right, finest.columns - 1),
+                             std::min(bottom, finest.rows - 1));
+}
 
+/// Both ends included. Of a large rectangle, in coarser squares that hold it.
+float DepthPyramid::farthest_of_tiles(int left, int top, int right, int bottom) const {
     std::size_t level = 0;
     while (level + 1 < levels_.size() &&
            (right - left >= kMostSquares || bottom - top >= kMostSquares)) {

@@ -50,7 +50,7 @@ void SplatPass::Picture::open_rims(const SplatTile& tile, gpu::SplatTopics& own,
         for (std::size_t i = 0; i < bins.size(); ++i) {
             for (const std::uint32_t index : bins[i].of(tile.index)) {
                 const gpu::SplatDisc disc = parts[i].discs[index];
-                for_each_rim(parts[i].grown[index], [&](int x, int y) {
+                for_each_rim(own.grown_box(disc.splat), [&](int x, int y) {
                     gpu::Floats depth, off;
                     own.splat_at(disc.splat, static_cast<float>(x) + 0.5f + gpu::Floats{},
                                  static_cast<float>(y) + 0.5f + gpu::Floats{}, depth, off);
@@ -99,9 +99,10 @@ void SplatPass::open_rims(std::span<gpu::vec4> surfaces, std::span<gpu::vec4> al
             gpu::SplatTopics own = p.topics;
             for (std::size_t i = run * SplatDiscs::kRun;
                  i < run * SplatDiscs::kRun + part.used[run]; ++i) {
-                const PixelBox& box = part.grown[i];
-                near[i] =
-                    own.any_rim({box.low_x, box.low_y, box.high_x, box.high_y}) ? box : kNowhere;
+                near[i] = kNowhere;
+                if (!own.may_close_gaps(part.boxes[i])) continue;
+                const PixelBox box = own.grown_box(part.discs[i].splat);
+                if (own.any_rim({box.low_x, box.low_y, box.high_x, box.high_y})) near[i] = box;
             }
         });
         bins.push_back(part.binned(near.get(), p.topics.view));

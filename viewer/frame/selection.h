@@ -12,7 +12,7 @@ namespace glowworm {
 
 struct SelectionSettings {
     /// Pixels between drawn surfels, > 0: what lies closer together is thinned to this.
-    float quality = 0.7f;
+    float quality = 1.0f;
     /// Drawn radius over stored radius, >= 1. A stored radius is that of the surfel's share of the
     /// surface; discs of random points leave exp(-k^2) of it uncovered.
     float splat_scale = 3.0f;

@@ -7,11 +7,6 @@
 namespace glowworm {
 namespace {
 
-PixelBox pixel_box(const glm::ivec4& box) {
-    const auto narrow = [](int value) { return static_cast<std::int16_t>(value); };
-    return {narrow(box.x), narrow(box.y), narrow(box.z), narrow(box.w)};
-}
-
 /// Calls `visit(group, depth, off)` for the groups that hold `box`, a part of `tile`, with what
 /// splat_at() gives there.
 template <typename Visit>
@@ -60,49 +55,38 @@ void SplatPass::begin(const gpu::ViewBlock& view) {
     p.topics.rims = p.rims;
     p.topics.weights = p.weights;
     p.topics.tiles = p.rim_squares;
+    p.widths.assign(static_cast<std::size_t>(p.columns * p.rows), 0u);
+    p.pyramid.reset();
+    p.topics.sight = {};
     p.used = 0;
 }
 
-void SplatPass::Picture::make_discs(SplatDiscs& part, const SplatInput& input,
-                                    std::size_t first_draw) {
-    std::vector<std::size_t> first_run;  // of each draw
-    std::size_t runs = 0;
-    for (const PageDraw& draw : input.draws.subspan(first_draw)) {
-        first_run.push_back(runs);
-        runs += (draw.batch_count + kBatchesPerTask - 1) / kBatchesPerTask;
-    }
+void SplatPass::Picture::make_discs(SplatDiscs& part, std::span<const gpu::DrawnChunk> chunks,
+                                    std::span<const PagedBatch> batches) const {
+    const std::size_t runs = (batches.size() + kBatchesPerTask - 1) / kBatchesPerTask;
     part.begin(runs);
-    for (std::size_t d = first_draw; d < input.draws.size(); ++d) {
-        const PageDraw& draw = input.draws[d];
-        const auto page = input.pages[draw.page].map<const PackedSurfel>();
-        const std::span<const PackedSurfel> surfels = page;
-        const auto batches = input.batches.subspan(draw.first_batch, draw.batch_count);
-        const std::size_t first = first_run[d - first_draw];
-        const std::size_t last = d + 1 < input.draws.size() ? first_run[d + 1 - first_draw] : runs;
-        tbb::parallel_for(first, last, [&](std::size_t run) {
-            gpu::SplatTopics own = topics;
-            std::size_t slot = run * SplatDiscs::kRun;
-            const std::size_t begin = (run - first) * kBatchesPerTask;
-            for (const gpu::SplatBatch& batch :
-                 batches.subspan(begin, std::min(kBatchesPerTask, batches.size() - begin))) {
-                for (uint i = 0; i < batch.count; ++i) {
-                    const PackedSurfel& surfel = surfels[batch.first + i];
-                    gpu::SplatDisc& disc = part.discs[slot];
-                    if (!own.splat_of(surfel, batch.rank + i, input.chunks[batch.chunk],
-                                      disc.splat))
-                        continue;
-                    part.grown[slot] = pixel_box(own.splat_box(disc.splat, own.kGapGrowth));
-                    if (part.grown[slot].empty()) continue;
-                    disc.box = pixel_box(own.splat_box(disc.splat, 1.0f));
-                    part.boxes[slot] = disc.box;
-                    disc.normal = own.camera_from_octree_direction(own.surfel_normal(surfel));
-                    disc.albedo_ndf = surfel.albedo_ndf;
-                    ++slot;
-                }
+    tbb::parallel_for(std::size_t{0}, runs, [&](std::size_t run) {
+        gpu::SplatTopics own = topics;
+        std::size_t slot = run * SplatDiscs::kRun;
+        const std::size_t begin = run * kBatchesPerTask;
+        for (const PagedBatch& paged :
+             batches.subspan(begin, std::min(kBatchesPerTask, batches.size() - begin))) {
+            const gpu::SplatBatch& batch = paged.batch;
+            for (uint i = 0; i < batch.count; ++i) {
+                const PackedSurfel& surfel = paged.page[batch.first + i];
+                gpu::SplatDisc& disc = part.discs[slot];
+                if (!own.splat_of(surfel, batch.rank + i, chunks[batch.chunk], disc.splat,
+                                  disc.normal))
+                    continue;
+                disc.box = pixel_box(own.splat_box(disc.splat, 1.0f));
+                if (disc.box.empty() && own.grown_box(disc.splat).empty()) continue;
+                part.boxes[slot] = disc.box;
+                disc.albedo_ndf = surfel.albedo_ndf;
+                ++slot;
             }
-            part.used[run] = static_cast<std::uint32_t>(slot - run * SplatDiscs::kRun);
-        });
-    }
+        }
+        part.used[run] = static_cast<std::uint32_t>(slot - run * SplatDiscs::kRun);
+    });
 }
 
 SplatGroups<gpu::Floats> SplatPass::Picture::depths_of(const SplatTile& tile) const {
@@ -115,8 +99,12 @@ SplatGroups<gpu::Floats> SplatPass::Picture::depths_of(const SplatTile& tile) co
 
 void SplatPass::Picture::find_nearest(const SplatTile& tile, gpu::SplatTopics& own,
                                       const SplatDiscs& part) {
+    if (part.bins.of(tile.index).empty()) return;
     SplatGroups<gpu::Floats> nearest = depths_of(tile);
+    int width = 0;
     part.for_each(part.bins.of(tile.index), [&](const gpu::SplatDisc& disc) {
+        width = std::max(
+            {width, disc.box.high_x - disc.box.low_x + 1, disc.box.high_y - disc.box.low_y + 1});
         for_each_hit(own, disc.splat, tile.clipped(disc.box), tile,
                      [&](std::size_t group, gpu::Floats depth, gpu::Floats off) {
                          const gpu::Floats is = nearest[group];
@@ -126,35 +114,70 @@ void SplatPass::Picture::find_nearest(const SplatTile& tile, gpu::SplatTopics& o
     for_each_pixel(tile.all(), [&](int x, int y) {
         depths[pixel(x, y)] = nearest[tile.group(x, y)][tile.lane(x)];
     });
+    widths[tile.index] = std::max(widths[tile.index], static_cast<uint>(width));
 }
 
-void SplatPass::add(const SplatInput& input, std::size_t first_draw) {
-    Picture& p = *picture_;
-    if (p.used == p.parts.size()) p.parts.emplace_back();
-    SplatDiscs& part = p.parts[p.used++];
-    p.make_discs(part, input, first_draw);
-    part.bins = part.binned(part.boxes.get(), p.topics.view);
-    p.for_each_tile(
-        [&](const SplatTile& tile, gpu::SplatTopics& own) { p.find_nearest(tile, own, part); });
-}
-
-std::vector<float> SplatPass::farthest_tiles() const {
-    const Picture& p = *picture_;
-    const int width = static_cast<int>(p.topics.view.width);
-    const int height = static_cast<int>(p.topics.view.height);
-    const int columns = (width + DEPTH_TILE - 1) / DEPTH_TILE;
-    const int rows = (height + DEPTH_TILE - 1) / DEPTH_TILE;
-    std::vector<float> farthest(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-    tbb::parallel_for(0, rows, [&](int row) {
-        float* tiles = &farthest[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns)];
+/// [rows * columns] the farthest depth in each square of DEPTH_TILE pixels, m; infinite where
+/// nothing is.
+std::vector<float> SplatPass::Picture::farthest_tiles() const {
+    const int width = static_cast<int>(topics.view.width);
+    const int height = static_cast<int>(topics.view.height);
+    const int tile_columns = (width + DEPTH_TILE - 1) / DEPTH_TILE;
+    const int tile_rows = (height + DEPTH_TILE - 1) / DEPTH_TILE;
+    std::vector<float> farthest(static_cast<std::size_t>(tile_columns) *
+                                static_cast<std::size_t>(tile_rows));
+    tbb::parallel_for(0, tile_rows, [&](int row) {
+        float* tiles = &farthest[static_cast<std::size_t>(row * tile_columns)];
         for (int y = row * DEPTH_TILE; y < std::min((row + 1) * DEPTH_TILE, height); ++y) {
             for (int x = 0; x < width; ++x) {
                 float& tile = tiles[x / DEPTH_TILE];
-                tile = std::max(tile, p.depths[p.pixel(x, y)]);
+                tile = std::max(tile, depths[pixel(x, y)]);
             }
         }
     });
     return farthest;
+}
+
+void SplatPass::Picture::draw(std::span<const gpu::DrawnChunk> chunks,
+                              std::span<const PagedBatch> batches) {
+    if (used == parts.size()) parts.emplace_back();
+    SplatDiscs& part = parts[used++];
+    make_discs(part, chunks, batches);
+    part.bins = part.binned(part.boxes.get(), topics.view);
+    for_each_tile(
+        [&](const SplatTile& tile, gpu::SplatTopics& own) { find_nearest(tile, own, part); });
+    look();
+}
+
+void SplatPass::Picture::look() {
+    const int width = static_cast<int>(topics.view.width);
+    const int height = static_cast<int>(topics.view.height);
+    pyramid.emplace(farthest_tiles(), (width + DEPTH_TILE - 1) / DEPTH_TILE,
+                    (height + DEPTH_TILE - 1) / DEPTH_TILE, DEPTH_TILE, widths);
+    topics.sight = pyramid->finest();
+}
+
+void SplatPass::add(const SplatInput& input, std::size_t first_draw) {
+    std::vector<Mapped<const PackedSurfel>> pages;
+    std::vector<PagedBatch> batches;
+    for (const PageDraw& draw : input.draws.subspan(first_draw)) {
+        pages.push_back(input.pages[draw.page].map<const PackedSurfel>());
+        for (const gpu::SplatBatch& batch :
+             input.batches.subspan(draw.first_batch, draw.batch_count))
+            batches.push_back({batch, pages.back()});
+    }
+    // Chunks come the nearest first, and each page has them so.
+    std::ranges::stable_sort(batches, {}, [](const PagedBatch& b) { return b.batch.chunk; });
+    for (std::size_t begin = 0; begin < batches.size();) {  // each time as many again
+        const std::size_t size = std::min(std::max(begin, kFirstBatches), batches.size() - begin);
+        picture_->draw(input.chunks, std::span(batches).subspan(begin, size));
+        begin += size;
+    }
+}
+
+const DepthPyramid& SplatPass::pyramid() {
+    if (!picture_->pyramid) picture_->look();
+    return *picture_->pyramid;
 }
 
 void SplatPass::Picture::blend(const SplatTile& tile, gpu::SplatTopics& own,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "shaders/frame_layout.h"
+#include "viewer/frame/occlusion.h"
 #include "viewer/frame/splat_input.h"
 
 namespace glowworm {
@@ -13,7 +14,8 @@ namespace glowworm {
 /// Twin of splat_depth.comp, splat_blend.comp, the rims' passes and surface_resolve.comp for where
 /// OpenGL runs on the CPU: the same formulas as compiled code, on all cores. Discs are sorted into
 /// squares of pixels, each of which one thread draws, so that nothing needs to be atomic; the same
-/// on any number of threads.
+/// on any number of threads. The nearest chunks' come first, and of the others' only discs that
+/// these do not hide.
 class SplatPass {
   public:
     SplatPass();
@@ -22,9 +24,8 @@ class SplatPass {
     void begin(const gpu::ViewBlock& view);
     /// Adds the draws from `first_draw` on, as far as depth goes.
     void add(const SplatInput& input, std::size_t first_draw);
-    /// [rows * columns] the farthest depth in each square of DEPTH_TILE pixels, m; infinite where
-    /// nothing is.
-    std::vector<float> farthest_tiles() const;
+    /// How far one sees so far.
+    const DepthPyramid& pyramid();
     /// Averages what lies within a radius behind the nearest disc. Fills [pixels] each.
     void blend(std::span<gpu::vec4> surfaces, std::span<gpu::vec4> albedos);
     /// Lets through what lies behind rims, and closes gaps.

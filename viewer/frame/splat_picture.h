@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,6 +20,12 @@
 #include "viewer/gpu/lanes.h"
 
 namespace glowworm {
+
+inline PixelBox pixel_box(const glm::ivec4& box) {
+    const auto narrow = [](int value) { return static_cast<std::int16_t>(value); };
+    return {narrow(box.x), narrow(box.y), narrow(box.z), narrow(box.w)};
+}
+
 namespace gpu {
 
 /// What the shaders bind, and what they compute with it.
@@ -28,7 +35,9 @@ struct SplatTopics {
     std::span<float> depths, rims;    // [pixels] m
     std::span<const int> weights;     // [pixels] of all discs at a pixel
     std::span<uint> tiles;            // [squares of RIM_TILE] 1: holds a rim
+    std::span<const float> sight;     // DepthPyramid::finest(); empty before anything is drawn
 
+#define IS_HIDDEN(centre, radius) is_hidden(centre, radius)
 #define LINEAR_FROM_SRGB(value) linear[value]
 #include "shaders/rim_tiles.glsl"
 #include "shaders/rims.glsl"
@@ -36,6 +45,49 @@ struct SplatTopics {
 #include "shaders/surface_sums.glsl"
 #include "shaders/surfel.glsl"
 #include "shaders/view.glsl"
+    /// Whether what is drawn so far hides all of a sphere. Of those that span many squares, no.
+    bool is_hidden(vec3 centre, float radius) const {
+        constexpr float kMostPixels = 2.0f * DEPTH_TILE;
+        const float nearest = centre.z - radius;
+        if (sight.empty() || nearest <= kNearDepth) return false;
+        const vec2 axis(view.down.w, view.forward.w);
+        vec2 reach(radius * view.position.w), middle = axis + vec2(centre) * view.position.w;
+        if (view.right.w <= 0.5f) {  // a pinhole
+            reach = reach / nearest * (1.0f + abs(vec2(centre)) / centre.z);
+            middle = axis + vec2(centre) * (view.position.w / centre.z);
+        }
+        if (max(reach.x, reach.y) > kMostPixels) return false;
+        const int columns = static_cast<int>((view.width + DEPTH_TILE - 1) / DEPTH_TILE);
+        const int rows = static_cast<int>((view.height + DEPTH_TILE - 1) / DEPTH_TILE);
+        const ivec2 last(columns - 1, rows - 1);
+        const ivec2 low = clamp(ivec2((middle - reach) / float(DEPTH_TILE)), ivec2(0), last);
+        const ivec2 high = clamp(ivec2((middle + reach) / float(DEPTH_TILE)), ivec2(0), last);
+        for (int y = low.y; y <= high.y; ++y) {
+            for (int x = low.x; x <= high.x; ++x) {
+                if (sight[static_cast<std::size_t>(y * columns + x)] + radius >= nearest)
+                    return false;
+            }
+        }
+        return true;
+    }
+    /// As far as a disc closes gaps.
+    PixelBox grown_box(const Splat& splat) {
+        return pixel_box(splat_box(splat, kGapGrowth));
+    }
+    /// Whether a rim lies round `box`, which is all of a disc's: farther than the disc grows, or it
+    /// is not known how far that is.
+    bool may_close_gaps(const PixelBox& box) {
+        const int width = box.high_x - box.low_x + 1, height = box.high_y - box.low_y + 1;
+        const int right = static_cast<int>(view.width) - 1;
+        const int bottom = static_cast<int>(view.height) - 1;
+        // What is cut off by the picture's border is not known, nor how near the eye a disc comes
+        // that spans a wide angle.
+        if (box.empty() || box.low_x <= 0 || box.low_y <= 0 || box.high_x >= right ||
+            box.high_y >= bottom || 4.0f * static_cast<float>(max(width, height)) > view.position.w)
+            return true;
+        return any_rim({max(box.low_x - width, 0), max(box.low_y - height, 0),
+                        min(box.high_x + width, right), min(box.high_y + height, bottom)});
+    }
     bool is_solid(uint pixel) {
         return float(weights[pixel]) >= kRimCover * kFixedOne;
     }
@@ -66,7 +118,15 @@ using gpu::uint;
 
 inline constexpr float kFarthest = std::numeric_limits<float>::infinity();
 inline constexpr int kTile = TileBins::kTile;
+static_assert(kTile == WIDTH_TILE && WIDTH_TILE == DEPTH_TILE * DepthPyramid::kWidthTiles);
 inline constexpr std::size_t kBatchesPerTask = 16;
+inline constexpr std::size_t kFirstBatches = 256;  // drawn before it is asked what they hide
+
+/// A batch and the page that it lies in.
+struct PagedBatch {
+    gpu::SplatBatch batch;
+    std::span<const PackedSurfel> page;
+};
 
 /// Discs in the order of their surfels, a run for kBatchesPerTask batches, of which the first
 /// `used` are any. Memory that no disc needs is not touched.
@@ -74,10 +134,10 @@ struct SplatDiscs {
     static constexpr std::size_t kRun = kBatchesPerTask * SPLAT_GROUP;
 
     std::unique_ptr<gpu::SplatDisc[]> discs;
-    std::unique_ptr<PixelBox[]> boxes, grown;  // as far as the radius; as far as they close gaps
-    std::size_t capacity = 0;                  // runs
-    std::vector<std::uint32_t> used;           // [runs]
-    TileBins bins;                             // of boxes
+    std::unique_ptr<PixelBox[]> boxes;  // as far as the radius
+    std::size_t capacity = 0;           // runs
+    std::vector<std::uint32_t> used;    // [runs]
+    TileBins bins;                      // of boxes
 
     void begin(std::size_t runs) {
         used.assign(runs, 0);
@@ -85,7 +145,6 @@ struct SplatDiscs {
         capacity = runs + runs / 4;
         discs = std::make_unique_for_overwrite<gpu::SplatDisc[]>(capacity * kRun);
         boxes = std::make_unique_for_overwrite<PixelBox[]>(capacity * kRun);
-        grown = std::make_unique_for_overwrite<PixelBox[]>(capacity * kRun);
     }
     TileBins binned(const PixelBox* of, const gpu::ViewBlock& view) const {
         return {std::span(of, used.size() * kRun), kRun, used, static_cast<int>(view.width),
@@ -157,8 +216,10 @@ struct SplatPass::Picture {
     std::vector<int> weights;             // [pixels]
     std::vector<uint> rim_squares;        // [squares of RIM_TILE]
     std::vector<std::uint32_t> rim_bits;  // [tiles * kTile] a bit a pixel of a row: it is a rim
-    std::vector<SplatDiscs> parts;        // one an add()
-    std::size_t used = 0;                 // of them, in this frame
+    std::vector<uint> widths;             // [tiles] pixels: of the widest disc that touches one
+    std::optional<DepthPyramid> pyramid;  // of what is drawn; none before anything is
+    std::vector<SplatDiscs> parts;
+    std::size_t used = 0;  // of them, in this frame
 
     SplatTile tile(std::size_t index) const {
         const int left = static_cast<int>(index) % columns * kTile;
@@ -180,7 +241,11 @@ struct SplatPass::Picture {
                                   visit(tile(i), own);
                           });
     }
-    void make_discs(SplatDiscs& part, const SplatInput& input, std::size_t first_draw);
+    void make_discs(SplatDiscs& part, std::span<const gpu::DrawnChunk> chunks,
+                    std::span<const PagedBatch> batches) const;
+    void draw(std::span<const gpu::DrawnChunk> chunks, std::span<const PagedBatch> batches);
+    std::vector<float> farthest_tiles() const;
+    void look();
     SplatGroups<gpu::Floats> depths_of(const SplatTile& tile) const;
     void find_nearest(const SplatTile& tile, gpu::SplatTopics& own, const SplatDiscs& part);
     void blend(const SplatTile& tile, gpu::SplatTopics& own, SplatGroups<SplatShare>& sums) const;

@@ -1,5 +1,7 @@
 #include "viewer/frame/splat_shaders.h"
 
+#include <algorithm>
+#include <bit>
 #include <limits>
 
 namespace glowworm {
@@ -15,13 +17,14 @@ void write_growing(Buffer& buffer, const char* label, std::span<const T> values)
 }  // namespace
 
 void SplatShaders::begin(std::size_t pixels) {
-    if (pixels == pixels_) return;
+    if (pixels == pixels_) return tiles_.clear();
     pixels_ = pixels;
     depths_ = Buffer("pixel depths", pixels * sizeof(float));
     depths_.write(std::vector<float>(pixels, std::numeric_limits<float>::infinity()));
     rims_ = Buffer("pixel rims", pixels * sizeof(float));
     rim_tiles_ = Buffer("rim tiles", pixels * sizeof(std::uint32_t));  // enough for any shape
-    tiles_ = Buffer("depth tiles", pixels * sizeof(float));
+    tiles_ = Buffer("depth tiles", 2 * pixels * sizeof(float));        // enough for any shape
+    tiles_.clear();
     normal_sums_ = Buffer("normal sums", pixels * 4 * sizeof(std::int32_t));
     albedo_sums_ = Buffer("albedo sums", pixels * 4 * sizeof(std::int32_t));
     behind_sums_ = Buffer("behind sums", pixels * sizeof(std::int32_t));
@@ -56,10 +59,16 @@ void SplatShaders::add(const SplatInput& input, std::size_t first_draw) {
     splat(depth_, input, first_draw);
 }
 
-std::vector<float> SplatShaders::farthest_tiles(std::size_t tiles) {
+std::pair<std::vector<float>, std::vector<std::uint32_t>> SplatShaders::tiles(
+    std::size_t depth_tiles, std::size_t width_tiles) {
     bind();
-    depth_tiles_.dispatch(tiles, 64);
-    return tiles_.read<float>(tiles);
+    depth_tiles_.dispatch(depth_tiles, 64);
+    std::vector<std::uint32_t> bits = tiles_.read<std::uint32_t>(depth_tiles + width_tiles);
+    std::vector<float> depths(depth_tiles);
+    std::transform(bits.begin(), bits.begin() + static_cast<std::ptrdiff_t>(depth_tiles),
+                   depths.begin(), [](std::uint32_t b) { return std::bit_cast<float>(b); });
+    bits.erase(bits.begin(), bits.begin() + static_cast<std::ptrdiff_t>(depth_tiles));
+    return {std::move(depths), std::move(bits)};
 }
 
 void SplatShaders::blend(const SplatInput& input) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "viewer/frame/splat_input.h"
@@ -17,8 +19,10 @@ class SplatShaders {
     void begin(std::size_t pixels);
     /// Adds the draws from `first_draw` on, as far as depth goes.
     void add(const SplatInput& input, std::size_t first_draw);
-    /// [tiles] the farthest depth in each square of DEPTH_TILE pixels, m.
-    std::vector<float> farthest_tiles(std::size_t tiles);
+    /// [depth_tiles] the farthest depth in each square of DEPTH_TILE pixels, m; then [width_tiles]
+    /// pixels that the widest disc spans which touches each square of WIDTH_TILE.
+    std::pair<std::vector<float>, std::vector<std::uint32_t>> tiles(std::size_t depth_tiles,
+                                                                    std::size_t width_tiles);
     /// Averages what lies within a radius behind the nearest disc.
     void blend(const SplatInput& input);
     /// Lets through what lies behind rims, and closes gaps.
