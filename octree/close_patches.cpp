@@ -19,14 +19,6 @@ namespace {
 constexpr float kSameSide = 0.5f;   // cosine of 60 degrees, as where lobes are told apart
 constexpr float kOffPlane = 0.75f;  // leaf edges: a surface that goes on stays this near its plane
 
-bool is_finite(const Lobe& lobe) {
-    const auto all = [](const float (&v)[3]) {
-        return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
-    };
-    return all(lobe.position) && all(lobe.ndf) && all(lobe.albedo) && std::isfinite(lobe.area) &&
-           std::isfinite(lobe.plane_sigma) && std::isfinite(lobe.spacing);
-}
-
 /// The cell of every leaf, in the order of the leaves.
 std::vector<CellIndex> leaf_cells(const OctreeView& octree) {
     std::vector<CellIndex> parents{{0, 0, 0}}, cells;
@@ -110,6 +102,14 @@ void close_leaf(const OctreeView& octree, const CellIndex& cell, const Node& lea
 }
 
 }  // namespace
+
+bool is_finite(const Lobe& lobe) {
+    const auto all = [](const float(&v)[3]) {
+        return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+    };
+    return all(lobe.position) && all(lobe.ndf) && all(lobe.albedo) && std::isfinite(lobe.area) &&
+           std::isfinite(lobe.plane_sigma) && std::isfinite(lobe.spacing);
+}
 
 std::vector<Lobe> close_patches(const OctreeView& octree) {
     std::vector<Lobe> lobes(octree.lobes.begin(), octree.lobes.end());

@@ -13,4 +13,7 @@ namespace glowworm {
 /// ray meets it and it is black. What traces rays (trace.h) works on these.
 std::vector<Lobe> close_patches(const OctreeView& octree);
 
+/// Whether all of its numbers are finite.
+bool is_finite(const Lobe& lobe);
+
 }  // namespace glowworm

@@ -7,6 +7,7 @@
 #include <array>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include "octree/close_patches.h"
 #include "octree/link_directions.h"
@@ -37,8 +38,9 @@ class Batch {
     void add(const OctreeView& octree, std::uint32_t lobe, std::uint32_t ray, std::size_t place) {
         if (rays_.empty() || lobe != lobe_) {
             lobe_ = lobe;
-            of_lobe_ = RaysOfLobe(lobe, normalized(to_vec3(octree.lobes[lobe].ndf)));
-            from_ = ray_from_lobe(octree, octree.lobes[lobe], {});
+            const Lobe from = is_finite(octree.lobes[lobe]) ? octree.lobes[lobe] : Lobe{};
+            of_lobe_ = RaysOfLobe(lobe, normalized(to_vec3(from.ndf)));
+            from_ = ray_from_lobe(octree, from, {});
         }
         from_.direction = of_lobe_.direction(ray);
         rays_.push_back(from_);
@@ -83,17 +85,13 @@ class Batch {
 }  // namespace
 
 LinkTracer::LinkTracer(const OctreeView& octree, const TraceSettings& settings)
-    : closed_(close_patches(octree)), octree_(octree), tracer_(closed_view(), settings) {}
+    : LinkTracer(octree, make_ray_tracer(octree, settings)) {}
 
-OctreeView LinkTracer::closed_view() const {
-    OctreeView closed = octree_;
-    closed.lobes = closed_;
-    return closed;
-}
+LinkTracer::LinkTracer(const OctreeView& octree, std::shared_ptr<const RayTracer> tracer)
+    : octree_(octree), tracer_(std::move(tracer)) {}
 
 void LinkTracer::trace(const LinkRays& wanted, std::span<std::uint32_t> links,
                        const Progress& progress) const {
-    const OctreeView closed = closed_view();
     const std::size_t count = wanted.rows.size();
     for (std::size_t begin = 0; begin < count; begin += kRowsAtOnce) {
         if (progress) progress(begin, count);
@@ -104,11 +102,11 @@ void LinkTracer::trace(const LinkRays& wanted, std::span<std::uint32_t> links,
                 const std::uint32_t row = wanted.rows[i];
                 for (std::uint32_t ray = wanted.first; ray < wanted.last; ++ray) {
                     const std::uint32_t lobe = wanted.lobe_of ? wanted.lobe_of(row, ray) : row;
-                    batch.add(closed, lobe, ray, std::size_t{row} * wanted.stride + ray);
+                    batch.add(octree_, lobe, ray, std::size_t{row} * wanted.stride + ray);
                 }
-                if (batch.size() >= kRaysInBatch) batch.trace(tracer_, links);
+                if (batch.size() >= kRaysInBatch) batch.trace(*tracer_, links);
             }
-            batch.trace(tracer_, links);
+            batch.trace(*tracer_, links);
         });
     }
     if (progress) progress(count, count);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -44,6 +45,8 @@ class LinkTracer {
   public:
     /// The octree must outlive it.
     LinkTracer(const OctreeView& octree, const TraceSettings& settings);
+    /// With a tracer of this octree that is there already.
+    LinkTracer(const OctreeView& octree, std::shared_ptr<const RayTracer> tracer);
     LinkTracer(const LinkTracer&) = delete;
     LinkTracer& operator=(const LinkTracer&) = delete;
 
@@ -53,11 +56,8 @@ class LinkTracer {
                const Progress& progress = {}) const;
 
   private:
-    OctreeView closed_view() const;
-
-    std::vector<Lobe> closed_;
     OctreeView octree_;
-    RayTracer tracer_;
+    std::shared_ptr<const RayTracer> tracer_;
 };
 
 }  // namespace glowworm

@@ -1,5 +1,6 @@
 #include "octree/ray_tracer.h"
 
+#include "octree/close_patches.h"
 #include "octree/ray_lanes.h"
 #include "octree/ray_leaves.h"
 #include "octree/ray_leaves_together.h"
@@ -181,6 +182,14 @@ GLOWWORM_WIDE void RayTracer::look(std::span<const ShadowRay> rays,
     AnythingBetween rule{rays, seen, grid_.voxel_size()};
     if (!patches_.empty()) return walk(rule);
     std::fill(seen.begin(), seen.end(), std::uint8_t{1});
+}
+
+std::shared_ptr<const RayTracer> make_ray_tracer(const OctreeView& octree,
+                                                 const TraceSettings& settings) {
+    const std::vector<Lobe> lobes = close_patches(octree);
+    OctreeView closed = octree;
+    closed.lobes = lobes;
+    return std::make_shared<RayTracer>(closed, settings);
 }
 
 }  // namespace glowworm

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -52,5 +53,9 @@ class RayTracer {
     Occupancy occupancy_;
     std::vector<Patch> patches_;  // [leaves] first ones, then the others
 };
+
+/// A tracer of an octree as it lies in a file: closes its patches first.
+std::shared_ptr<const RayTracer> make_ray_tracer(const OctreeView& octree,
+                                                 const TraceSettings& settings);
 
 }  // namespace glowworm

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <future>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -24,7 +25,7 @@ class GroupedLight {
     ~GroupedLight();
 
     /// Whether the groups were chosen for places half a domain or more from `eye` (m, world), or
-    /// not at all.
+    /// not at all, or have but few rays yet.
     bool is_far_from(const Vec3d& eye) const;
 
     /// Chooses the groups for these places (m, world) and the scene's lamps, and traces what links
@@ -32,8 +33,9 @@ class GroupedLight {
     void look_from(std::span<const Vec3d> eyes, const Scene& scene, LightField& light,
                    const Progress& progress = {});
 
-    /// The same beside the caller's thread: begins, unless it has begun already.
-    void begin_to_look_from(const Vec3d& eye, const Scene& scene);
+    /// The same beside the caller's thread: begins, unless it has begun already. What is looked at
+    /// first has a few rays, a preview.
+    void begin_to_look_from(const Vec3d& eye, const Scene& scene, const LightField& light);
     bool looks() const { return next_.valid(); }
     double share_done() const { return share_done_; }  ///< 0..1
     /// True where the groups have become others. Rethrows what went wrong.
@@ -42,13 +44,14 @@ class GroupedLight {
     const LightGroups& groups() const { return links_.groups; }
 
   private:
-    GroupLinks look(std::span<const Vec3d> eyes, const Scene& scene, const Progress& progress);
+    GroupLinks look(std::span<const Vec3d> eyes, const Scene& scene, std::uint32_t rays,
+                    std::shared_ptr<const RayTracer> tracer, const Progress& progress);
     void use(GroupLinks links, LightField& light);
 
     OctreeView octree_;
     LightSettings settings_;
     std::uint64_t most_groups_;
-    LightDomains domains_;
+    std::optional<LightDomains> domains_;  // made when first looked
     GroupLinks links_;
     std::vector<Vec3d> looked_from_;
     std::atomic<double> share_done_ = 0.0;

@@ -47,7 +47,7 @@ void LiveLight::begin_bounces() {
 
 void LiveLight::look_from(const Vec3d& eye) {
     if (grouped_ && !grouped_->looks() && grouped_->is_far_from(eye))
-        grouped_->begin_to_look_from(eye, scene_);
+        grouped_->begin_to_look_from(eye, scene_, *field_);
 }
 
 /// Whether light now goes along more rays than before.
@@ -55,7 +55,7 @@ bool LiveLight::take_rays() {
     const std::uint32_t before = field_->links().rays();
     if (grouped_) {
         const bool others = grouped_->take(*field_);
-        all_traced_ = !grouped_->looks() && field_->links().rays() > 0;
+        all_traced_ = !grouped_->looks() && field_->links().rays() == settings_.links;
         return others;
     }
     if (worker_) {

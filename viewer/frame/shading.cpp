@@ -46,7 +46,8 @@ void Shading::draw(const GBuffer& gbuffer, const LightField& light, const View& 
     const std::size_t corners = corners_of(view.width) * corners_of(view.height);
     if (corners_.bytes() != corners * sizeof(gpu::CornerLight))
         corners_ = Buffer("corner lights", corners * sizeof(gpu::CornerLight));
-    if (runs_on_cpu() && !shaders_forced_ && wetness <= 0.0f) {
+    const bool dry = wetness <= 0.0f || !light.fits_shaders();
+    if (runs_on_cpu() && !shaders_forced_ && dry) {
         shade_on_cpu(gbuffer, light, {panels_, panel_count_, corners_, pixel_lamps_, sub_pixels},
                      layers_);
     } else {

@@ -46,7 +46,7 @@ bool DirectField::inject_more() {
     if (lobes == 0 || injected_lights_ == lights_.size()) return false;
     const std::size_t first = injected_lobes_, last = std::min(lobes, first + kLobesAtOnce);
     if (runs_compiled()) {
-        const RayTracer& rays = tracer();
+        const RayTracer& rays = *tracer();
         const auto closed = gpu_octree_.lobes.map<const Lobe>();
         const auto direct = irradiance_.map<gpu::vec4>();
         add_direct_light({rays, closed, lights_, gpu_octree_.grid}, injected_lights_, first,
@@ -121,17 +121,17 @@ void DirectField::bind() const {
 }
 
 bool DirectField::runs_compiled() const {
-    return context_.device().software && settings_.run_on != RunOn::kGpu;
+    return glowworm::runs_compiled(context_, settings_);
 }
 
-const RayTracer& DirectField::tracer() {
+const std::shared_ptr<const RayTracer>& DirectField::tracer() {
     if (!tracer_) {
         const auto closed = gpu_octree_.lobes.map<const Lobe>();
         OctreeView octree = octree_;
         octree.lobes = closed;
-        tracer_ = std::make_unique<RayTracer>(octree, settings_.trace);
+        tracer_ = std::make_shared<RayTracer>(octree, settings_.trace);
     }
-    return *tracer_;
+    return tracer_;
 }
 
 }  // namespace glowworm

@@ -48,7 +48,7 @@ class DirectField {
 
     const GpuOctree& octree() const { return gpu_octree_; }
     bool runs_compiled() const;  ///< whether what has a twin in compiled code is done by that
-    const RayTracer& tracer();   ///< of the octree with closed patches
+    const std::shared_ptr<const RayTracer>& tracer();  ///< of the octree, its patches closed
 
   private:
     const Context& context_;
@@ -60,7 +60,7 @@ class DirectField {
     Buffer lights_buffer_;
     Buffer irradiance_;
     std::optional<Program> inject_, look_;  // made when first asked for, as are the next two
-    std::unique_ptr<RayTracer> tracer_;
+    std::shared_ptr<const RayTracer> tracer_;
     std::optional<Buffer> lamp_looks_;
     bool all_looked_ = false;            // lamp_looks_ is complete
     std::uint32_t injected_lights_ = 0;  // whole ones

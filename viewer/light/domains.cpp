@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -19,6 +20,8 @@ namespace {
 constexpr float kSameSide = 0.5f;           // cosine of 60 degrees, as where lobes are told apart
 constexpr float kNear = 0.25f;              // domain edges: no domain lies nearer to a focus
 constexpr float kUnseen = 2.0f;             // times as far
+constexpr float kFine = 64.0f;              // leaf edges: nearer lobes have light of their own
+constexpr float kShown = 3.0f;              // domain edges
 constexpr std::uint32_t kRaysToSee = 1024;  // of a focus
 constexpr std::size_t kFociThatSee = 16;
 constexpr std::size_t kClasses = 7;  // axes a lobe may face along, and what emits
@@ -133,8 +136,15 @@ std::uint32_t LightDomains::first_lobe(std::uint32_t level, std::uint32_t node) 
     return octree_.nodes[node].first;
 }
 
-float LightDomains::edge() const {
-    return octree_.grid.cell_edge(level_);
+float LightDomains::edge(const OctreeView& octree) {
+    return octree.grid.cell_edge(octree.grid.depth - std::min(kMostCoarser, octree.grid.depth));
+}
+
+float LightDomains::distance(std::size_t domain, const Vec3f& place) const {
+    Vec3f off;
+    for (int a = 0; a < 3; ++a)
+        off[a] = std::max({low_[domain][a] - place[a], place[a] - low_[domain][a] - edge(), 0.0f});
+    return length(off);
 }
 
 std::uint64_t LightDomains::least_groups() const {
@@ -171,11 +181,8 @@ std::vector<std::uint8_t> LightDomains::choose(std::span<const Focus> foci,
     std::vector<float> far(count(), foci.empty() ? 1.0f : 1e30f);
     tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t d) {
         for (const Focus& focus : foci) {
-            Vec3f off;
-            for (int a = 0; a < 3; ++a)
-                off[a] = std::max({low_[d][a] - focus.position[a],
-                                   focus.position[a] - low_[d][a] - edge(), 0.0f});
-            far[d] = std::min(far[d], std::max(length(off), kNear * edge()) * focus.remote);
+            const float off = std::max(distance(d, focus.position), kNear * edge());
+            far[d] = std::min(far[d], off * focus.remote);
         }
         far[d] *= seen[d] != 0 ? 1.0f : kUnseen;
     });
@@ -195,7 +202,9 @@ std::vector<std::uint8_t> LightDomains::choose(std::span<const Focus> foci,
         return sum;
     };
     if (octree_.lobes.size() <= most_groups) return std::vector<std::uint8_t>(count(), 0);
-    float low = 1e-3f * edge(), high = 4.0f * octree_.grid.cube_edge;
+    float low = 1e-3f * edge(), high = kFine * octree_.grid.voxel_size();
+    if (!foci.empty() && groups_of(levels_within(high)) <= most_groups) return levels_within(high);
+    if (foci.empty()) high = 4.0f * octree_.grid.cube_edge;
     for (int halvings = 0; halvings < 40; ++halvings) {
         const float radius = std::sqrt(low * high);
         (groups_of(levels_within(radius)) <= most_groups ? low : high) = radius;
@@ -205,8 +214,24 @@ std::vector<std::uint8_t> LightDomains::choose(std::span<const Focus> foci,
     return std::vector<std::uint8_t>(count(), static_cast<std::uint8_t>(most_coarser_));
 }
 
-LightGroups LightDomains::group(std::vector<std::uint8_t> coarser) const {
+std::vector<std::uint8_t> LightDomains::shown_to(std::span<const Focus> foci) const {
+    std::vector<Focus> eyes;
+    std::ranges::copy_if(foci, std::back_inserter(eyes),
+                         [](const Focus& focus) { return focus.remote <= 1.0f; });
+    std::vector<std::uint8_t> shown = seen_from(eyes);
+    tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t d) {
+        const auto is_near = [&](const Focus& eye) {
+            return distance(d, eye.position) <= kShown * edge();
+        };
+        if (shown[d] == 0 && std::ranges::any_of(eyes, is_near)) shown[d] = 1;
+    });
+    return shown;
+}
+
+LightGroups LightDomains::group(std::vector<std::uint8_t> coarser,
+                                std::vector<std::uint8_t> shown) const {
     LightGroups groups;
+    groups.shown = shown.empty() ? std::vector<std::uint8_t>(count(), 1) : std::move(shown);
     groups.first_of_domain.push_back(0);
     for (std::size_t d = 0; d < count(); ++d)
         groups.first_of_domain.push_back(groups.first_of_domain.back() + sizes_[coarser[d]][d]);

@@ -14,7 +14,8 @@ namespace glowworm {
 /// leaves however large the groups are, so that what hides what stays exact.
 struct LightGroups {
     std::vector<std::uint8_t>
-        coarser;  ///< [domains] levels that its groups' cells lie above leaves
+        coarser;                      ///< [domains] levels that its groups' cells lie above leaves
+    std::vector<std::uint8_t> shown;  ///< [domains] LightDomains::shown_to(), or all 1
     std::vector<std::uint32_t> first_of_domain;  ///< [domains + 1] groups
     std::vector<std::uint32_t> starts;           ///< [groups + 1] places among the members
     std::vector<std::uint32_t> members;          ///< [lobes] group after group
@@ -44,14 +45,19 @@ class LightDomains {
     explicit LightDomains(const OctreeView& octree);
 
     std::size_t count() const { return edges_.size() > 0 ? lobes_.size() - 1 : 0; }
-    float edge() const;                  ///< m
-    std::uint64_t least_groups() const;  ///< where every domain is as coarse as can be
-    /// [domains] how coarse each is, so that there are at most `most_groups`: as fine as can be
-    /// within a radius round each focus, a level coarser with each doubling of the distance, what
-    /// no focus sees counting as twice as far. All as coarse as can be where that is still too
-    /// many.
+    float edge() const { return edge(octree_); }  ///< m
+    static float edge(const OctreeView& octree);  ///< what it will be
+    std::uint64_t least_groups() const;           ///< where every domain is as coarse as can be
+    /// [domains] how coarse each is, so that there are at most `most_groups`: lobes for themselves
+    /// within a radius round each focus, 64 leaves where there is room for it, a level coarser with
+    /// each doubling of the distance, what no focus sees counting as twice as far. All as coarse as
+    /// can be where that is still too many.
     std::vector<std::uint8_t> choose(std::span<const Focus> foci, std::uint64_t most_groups) const;
-    LightGroups group(std::vector<std::uint8_t> coarser) const;
+    /// [domains] 1 where an eye (a focus that counts once) sees any of it, or it lies within three
+    /// domains of one: where pictures look light up.
+    std::vector<std::uint8_t> shown_to(std::span<const Focus> foci) const;
+    LightGroups group(std::vector<std::uint8_t> coarser,
+                      std::vector<std::uint8_t> shown = {}) const;
 
     /// An octree without surfels whose leaves are the cells of domains that are so coarse, and
     /// whose lobes are those domains' groups, one after the other.
@@ -63,6 +69,7 @@ class LightDomains {
     std::uint32_t first_lobe(std::uint32_t level, std::uint32_t node) const;
     std::vector<std::uint32_t> walls_of(const LightGroups& groups) const;
     std::vector<std::uint8_t> seen_from(std::span<const Focus> foci) const;
+    float distance(std::size_t domain, const Vec3f& place) const;  // m, 0 inside
 
     OctreeView octree_;
     std::uint32_t most_coarser_ = 0, level_ = 0;

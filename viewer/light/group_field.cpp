@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "viewer/light/bounce.h"
+#include "viewer/light/walls.h"
 
 namespace glowworm {
 namespace {
@@ -10,6 +11,14 @@ namespace {
 constexpr std::size_t kLobesAtOnce = 1 << 16;
 
 }  // namespace
+
+GroupField::GroupField(const OctreeView& octree, const LightDomains& domains,
+                       const GroupLinks& links)
+    : octree_(octree),
+      domains_(&domains),
+      links_(&links),
+      walls_(octree.lobes.size()),
+      has_walls_(domains.count()) {}
 
 std::vector<gpu::vec4> GroupField::radiance(const Buffer& direct, const Buffer& indirect,
                                             std::span<const gpu::vec4> emitted) const {
@@ -35,23 +44,54 @@ std::vector<gpu::vec4> GroupField::gather(const Buffer& direct, const Buffer& in
     return light;
 }
 
-/// Lobes of one domain after the other lie side by side, and go to the GPU as they do.
-void GroupField::publish(const Buffer& indirect, const gpu::LightGrid& grid,
-                         std::span<const std::uint32_t> walls, bool smooth, Buffer& lit) const {
+void GroupField::find_walls() {
+    std::vector<LobeRange> missing;
+    for (std::size_t d = 0; d < has_walls_.size(); ++d) {
+        if (groups().shown[d] == 0 || has_walls_[d] != 0) continue;
+        missing.push_back({domains_->first_lobe_of(d), domains_->first_lobe_of(d + 1)});
+        has_walls_[d] = 1;
+    }
+    if (!missing.empty()) find_walls_beside(octree_, missing, walls_);
+}
+
+void GroupField::publish(const Buffer& indirect, const gpu::LightGrid& grid, bool smooth,
+                         Buffer& lit) {
+    find_walls();
     const auto lights =
         group_gradients(*links_, octree_.lobes, radiance_, indirect.read<gpu::vec4>(count()));
+    publish_shown(lights, grid, smooth, lit);
+    publish_others(lights, lit);
+}
+
+/// Lobes of one domain after the other lie side by side, and go to the GPU as they do.
+void GroupField::publish_shown(std::span<const gpu::LobeLight> lights, const gpu::LightGrid& grid,
+                               bool smooth, Buffer& lit) const {
     for (std::uint32_t coarser = 0; coarser <= LightDomains::kMostCoarser; ++coarser) {
         std::vector<std::uint32_t> lobes;
         auto spread = spread_to_lobes(octree_, *domains_, groups(), coarser, grid, lights,
                                       radiance_, smooth, lobes);
         for (std::size_t i = 0; i < lobes.size(); ++i)
-            spread[i].irradiance.w = static_cast<float>(walls[lobes[i]]);
+            spread[i].irradiance.w = static_cast<float>(walls_[lobes[i]]);
         for (std::size_t first = 0, last = 0; first < lobes.size(); first = last) {
             while (last < lobes.size() && lobes[last] - lobes[first] == last - first)
                 ++last;
             lit.write(std::span<const gpu::LobeLight>(spread).subspan(first, last - first),
                       lobes[first]);
         }
+    }
+}
+
+void GroupField::publish_others(std::span<const gpu::LobeLight> lights, Buffer& lit) const {
+    std::vector<gpu::LobeLight> spread;
+    for (std::size_t d = 0; d < domains_->count(); ++d) {
+        if (groups().shown[d] != 0) continue;
+        const std::uint32_t first = domains_->first_lobe_of(d);
+        spread.clear();
+        for (std::uint32_t lobe = first; lobe < domains_->first_lobe_of(d + 1); ++lobe) {
+            spread.push_back(lights[groups().group_of[lobe]]);
+            spread.back().irradiance.w = 0.0f;
+        }
+        lit.write(spread, first);
     }
 }
 

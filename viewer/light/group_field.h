@@ -16,8 +16,8 @@ namespace glowworm {
 /// compiled code. Octree, domains and links must outlive it.
 class GroupField {
   public:
-    GroupField(const OctreeView& octree, const LightDomains& domains, const GroupLinks& links)
-        : octree_(octree), domains_(&domains), links_(&links) {}
+    GroupField(const OctreeView& octree, const LightDomains& domains, const GroupLinks& links);
+    void use(const GroupLinks& links) { links_ = &links; }  ///< of the same domains, from now on
 
     std::uint32_t count() const { return links_->groups.count(); }
     const LightGroups& groups() const { return links_->groups; }
@@ -30,15 +30,22 @@ class GroupField {
     std::vector<gpu::vec4> gather(const Buffer& direct, const Buffer& indirect,
                                   std::span<const gpu::vec4> emitted);
     /// Writes what lookups read, of the radiance that was gathered last and the `indirect`
-    /// irradiance of groups, to `lit`; `walls` are those of the lobes (walls.h).
-    void publish(const Buffer& indirect, const gpu::LightGrid& grid,
-                 std::span<const std::uint32_t> walls, bool smooth, Buffer& lit) const;
+    /// irradiance of groups, to `lit`: read between groups in domains that are shown, elsewhere
+    /// each group's own for all of its lobes.
+    void publish(const Buffer& indirect, const gpu::LightGrid& grid, bool smooth, Buffer& lit);
 
   private:
+    void find_walls();
+    void publish_shown(std::span<const gpu::LobeLight> lights, const gpu::LightGrid& grid,
+                       bool smooth, Buffer& lit) const;
+    void publish_others(std::span<const gpu::LobeLight> lights, Buffer& lit) const;
+
     OctreeView octree_;
     const LightDomains* domains_;
     const GroupLinks* links_;
-    std::vector<gpu::vec4> radiance_;  // [lobes]
+    std::vector<gpu::vec4> radiance_;      // [lobes]
+    std::vector<std::uint32_t> walls_;     // [lobes] walls.h, where has_walls_
+    std::vector<std::uint8_t> has_walls_;  // [domains]
 };
 
 }  // namespace glowworm

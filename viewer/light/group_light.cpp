@@ -53,7 +53,8 @@ std::vector<std::uint32_t> keep_links(const GroupLinks& before, GroupLinks& now)
 }  // namespace
 
 GroupLinks link_groups(const OctreeView& octree, LightGroups groups, const LightSettings& settings,
-                       const GroupLinks* before, const Progress& progress) {
+                       const GroupLinks* before, const Progress& progress,
+                       std::shared_ptr<const RayTracer> tracer) {
     GroupLinks now{std::move(groups), {}, std::clamp(settings.links, 1u, kMostLinks)};
     now.links.resize(std::size_t{now.groups.count()} * now.rays);
     GroupLinks none;
@@ -74,7 +75,8 @@ GroupLinks link_groups(const OctreeView& octree, LightGroups groups, const Light
     const auto lobe_of = [&](std::uint32_t g, std::uint32_t ray) {
         return now.groups.lobe_of(g, ray);
     };
-    LinkTracer(octree, settings.trace)
+    if (!tracer) tracer = make_ray_tracer(octree, settings.trace);
+    LinkTracer(octree, std::move(tracer))
         .trace({changed, 0, now.rays, now.rays, lobe_of}, now.links, progress);
     return now;
 }
@@ -128,7 +130,8 @@ std::vector<gpu::LobeLight> spread_to_lobes(const OctreeView& octree, const Ligh
     for (std::size_t d = 0; d < groups.coarser.size(); ++d) {
         if (groups.coarser[d] != coarser) continue;
         const std::uint32_t first = groups.first_of_domain[d];
-        for (std::uint32_t i = domains.first_lobe_of(d); i < domains.first_lobe_of(d + 1); ++i) {
+        const std::uint32_t last_lobe = domains.first_lobe_of(groups.shown[d] != 0 ? d + 1 : d);
+        for (std::uint32_t i = domains.first_lobe_of(d); i < last_lobe; ++i) {
             lobes.push_back(i);
             place.push_back(static_cast<std::uint32_t>(there.size()) + groups.group_of[i] - first);
         }
@@ -142,7 +145,12 @@ std::vector<gpu::LobeLight> spread_to_lobes(const OctreeView& octree, const Ligh
     tree_grid.voxel_size = tree.grid.voxel_size();
     tree_grid.lobe_count = static_cast<std::uint32_t>(tree.lobes.size());
     if (smooth) there = smoothed({tree.nodes, tree.lobes, there, tree_grid});
-    if (coarser == 0) return there;
+    if (coarser == 0) {  // each lobe's own
+        std::vector<gpu::LobeLight> own;
+        for (const std::uint32_t group : place)
+            own.push_back(there[group]);
+        return own;
+    }
     std::vector<SurfacePlace> places(lobes.size());
     tbb::parallel_for(std::size_t{0}, lobes.size(), [&](std::size_t i) {
         const Lobe& lobe = octree.lobes[lobes[i]];

@@ -111,7 +111,11 @@ void LightField::use_groups(const LightDomains& domains, const GroupLinks& links
     gathered_ = Buffer("gathered irradiance", light.size() * sizeof(gpu::vec4));
     radiance_ = {};
     emitted_ = {};
-    groups_.emplace(octree_, domains, links);
+    if (groups_ && before != nullptr) {
+        groups_->use(links);
+    } else {
+        groups_.emplace(octree_, domains, links);
+    }
     links_ = GpuLinks(links.rows());
 }
 
@@ -120,7 +124,15 @@ void LightField::forget_indirect() {
     blacken();
 }
 
+bool LightField::fits_shaders() const {
+    return glowworm::fits_shaders(context_, octree_);
+}
+
 void LightField::blacken() {
+    if (walls_.empty()) {
+        lit_.clear();
+        return;
+    }
     std::vector<gpu::LobeLight> black(octree_.lobes.size());
     for (std::size_t i = 0; i < walls_.size(); ++i)
         black[i].irradiance.w = static_cast<float>(walls_[i]);
@@ -155,13 +167,13 @@ void LightField::gather() {
 }
 
 void LightField::publish(bool smooth) {
+    if (groups_) {
+        groups_->publish(indirect_, octree().grid, smooth, lit_);
+        return;
+    }
     if (walls_.empty()) {
         walls_ = walls_beside(octree_);
         blacken();
-    }
-    if (groups_) {
-        groups_->publish(indirect_, octree().grid, walls_, smooth, lit_);
-        return;
     }
     const LinkRows* rows = links_.on_cpu();
     if (cones_ || rows == nullptr) {

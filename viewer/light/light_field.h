@@ -69,6 +69,8 @@ class LightField {
 
     /// Binds what cone.glsl reads: the light as it is now, filtered up the octree.
     void show_to_cones() const;
+    /// Whether shaders can see all of it; compiled code always does.
+    bool fits_shaders() const;
 
     std::vector<gpu::vec4> read_direct() const;    ///< [lobes] W·m⁻²
     std::vector<gpu::vec4> read_indirect() const;  ///< [lobes] W·m⁻²

@@ -55,7 +55,7 @@ std::vector<gpu::vec4> measure_by_shaders(const LightField& light,
 std::vector<gpu::vec4> measure_compiled(const LightField& light,
                                         std::span<const gpu::vec4> places) {
     DirectField& direct = light.direct();
-    const RayTracer& rays = direct.tracer();
+    const RayTracer& rays = *direct.tracer();
     const gpu::LightGrid& grid = direct.octree().grid;
     const auto nodes = direct.octree().nodes.map<const Node>();
     const auto lobes = direct.octree().lobes.map<const Lobe>();

@@ -62,8 +62,12 @@ bool lies_on(const AreaLight& light, const OctreeView& octree, const Vec3f& poin
            along_u <= length(u) + near && along_v >= -near && along_v <= length(v) + near;
 }
 
+bool is_bindable(const Context& context, std::size_t bytes) {
+    return bytes <= static_cast<std::size_t>(context.device().max_storage_bytes);
+}
+
 void check_binding(const Context& context, const char* what, std::size_t bytes) {
-    if (bytes <= static_cast<std::size_t>(context.device().max_storage_bytes)) return;
+    if (is_bindable(context, bytes)) return;
     throw Error(
         ExitCode::kBudget,
         fmt::format("the octree's {} take {:.0f} MiB and this OpenGL shows at most {:.0f} MiB at "
@@ -98,9 +102,22 @@ std::uint64_t grouped_light_bytes(std::uint64_t nodes, std::uint64_t lobes, std:
     return nodes * sizeof(Node) + lobes * kOfLobe + groups * of_group;
 }
 
+bool runs_compiled(const Context& context, const LightSettings& settings) {
+    return context.device().software && settings.run_on != RunOn::kGpu;
+}
+
+bool fits_shaders(const Context& context, const OctreeView& octree) {
+    return is_bindable(context, octree.nodes.size_bytes()) &&
+           is_bindable(context,
+                       octree.lobes.size() * std::max(sizeof(Lobe), sizeof(gpu::LobeLight)));
+}
+
 GpuOctree upload(const Context& context, const OctreeView& octree, const LightSettings& settings) {
-    check_binding(context, "nodes", octree.nodes.size_bytes());
-    check_binding(context, "lobes", octree.lobes.size_bytes());
+    const bool cones = settings.gather == Gather::kCones || settings.faithful;
+    if (cones || !runs_compiled(context, settings)) {
+        check_binding(context, "nodes", octree.nodes.size_bytes());
+        check_binding(context, "lobes", octree.lobes.size_bytes());
+    }
     GpuOctree uploaded;
     uploaded.nodes = Buffer::of("octree nodes", octree.nodes);
     const std::vector<Lobe> closed = close_patches(octree);

@@ -27,7 +27,14 @@ std::uint64_t light_bytes(std::uint64_t nodes, std::uint64_t lobes, const LightS
 std::uint64_t grouped_light_bytes(std::uint64_t nodes, std::uint64_t lobes, std::uint64_t groups,
                                   const LightSettings& settings);
 
-/// Throws Error (kBudget) where a section is larger than one binding of `context` may show.
+/// Whether what has a twin in compiled code is done by that: where OpenGL runs on the CPU.
+bool runs_compiled(const Context& context, const LightSettings& settings);
+
+/// Whether shaders of `context` can see all of the octree and the light of its lobes.
+bool fits_shaders(const Context& context, const OctreeView& octree);
+
+/// Throws Error (kBudget) where shaders would read it and a section is larger than one binding of
+/// `context` may show.
 GpuOctree upload(const Context& context, const OctreeView& octree, const LightSettings& settings);
 
 /// The scene's lights relative to the octree's origin. An area light's tag is that of the octree's

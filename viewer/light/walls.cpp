@@ -141,15 +141,22 @@ class WallSearch {
 
 std::vector<std::uint32_t> walls_beside(const OctreeView& octree) {
     std::vector<std::uint32_t> walls(octree.lobes.size());
-    if (walls.empty()) return walls;
-    const WallSearch search(octree);
-    tbb::parallel_for(
-        tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(walls.size()), 256),
-        [&](const auto& range) {
-            for (std::uint32_t lobe = range.begin(); lobe != range.end(); ++lobe)
-                walls[lobe] = search.beside(lobe);
-        });
+    const LobeRange all{0, static_cast<std::uint32_t>(walls.size())};
+    find_walls_beside(octree, std::span(&all, 1), walls);
     return walls;
+}
+
+void find_walls_beside(const OctreeView& octree, std::span<const LobeRange> ranges,
+                       std::span<std::uint32_t> walls) {
+    if (walls.empty()) return;
+    const WallSearch search(octree);
+    tbb::parallel_for(std::size_t{0}, ranges.size(), [&](std::size_t r) {
+        tbb::parallel_for(tbb::blocked_range<std::uint32_t>(ranges[r].first, ranges[r].last, 256),
+                          [&](const auto& range) {
+                              for (std::uint32_t lobe = range.begin(); lobe != range.end(); ++lobe)
+                                  walls[lobe] = search.beside(lobe);
+                          });
+    });
 }
 
 }  // namespace glowworm
