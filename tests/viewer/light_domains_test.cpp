@@ -133,6 +133,56 @@ TEST(LightDomains, WithAQuarterOfTheGroupsLightNearTheEyeIsNearerThanOnACoarserL
     EXPECT_THAT(context.errors(), ::testing::IsEmpty());
 }
 
+TEST(LightDomains, WhatNoEyeSeesIsCoarseHoweverManyGroupsThereMayBe) {
+    const Octree octree = dogleg(8);
+    const LightDomains domains(octree.view());
+    const Focus eye{{0.5f, 0.5f, 0.5f}};
+    const std::span<const Focus> eyes(&eye, 1);
+    const auto coarser = domains.choose(eyes, octree.lobes.size() - 1);
+    const auto shown = domains.shown_to(eyes);
+    const LightGroups groups = domains.group(coarser, shown);
+    std::cout << groups.count() << " groups of " << octree.lobes.size() << " lobes\n";
+    EXPECT_LT(groups.count(), octree.lobes.size() / 2);
+    const auto count = [&](std::uint8_t value) { return std::ranges::count(shown, value); };
+    EXPECT_GT(count(0), 0) << "the second bend hides the last leg";
+    EXPECT_GT(count(1), 0);
+    for (std::size_t d = 0; d < domains.count(); ++d)
+        EXPECT_FALSE(shown[d] == 0 && coarser[d] == 0) << "fine light that nobody sees";
+}
+
+TEST(LightDomains, LightIsTheSameWhereItIsShownWhateverElseIs) {
+    const Context context = Context::headless();
+    const Octree octree = dogleg(7);
+    const LightDomains domains(octree.view());
+    const Focus eye{{0.5f, 0.5f, 0.5f}};
+    const std::span<const Focus> eyes(&eye, 1);
+    const auto coarser = domains.choose(eyes, octree.lobes.size() / 4);
+    const auto shown = domains.shown_to(eyes);
+    const auto lit_where = [&](const std::vector<std::uint8_t>& here) {
+        const GroupLinks links = link_groups(octree.view(), domains.group(coarser, here), {},
+                                             nullptr, {}, make_ray_tracer(octree.view(), {}));
+        LightField field(context, octree.view(), lamp_at({0.5, 0.5, 0.5}));
+        field.use_groups(domains, links);
+        field.converge();
+        return field.lobe_lights().read<gpu::LobeLight>(octree.lobes.size());
+    };
+    const auto everywhere = lit_where({}), some = lit_where(shown);
+    double apart = 0.0, of = 0.0;
+    for (std::size_t d = 0; d < domains.count(); ++d) {
+        for (std::uint32_t i = domains.first_lobe_of(d); i < domains.first_lobe_of(d + 1); ++i) {
+            const float a = everywhere[i].irradiance.y, b = some[i].irradiance.y;
+            if (shown[d] != 0) {
+                ASSERT_EQ(a, b) << i;
+            }
+            apart += static_cast<double>(std::abs(a - b));
+            of += static_cast<double>(a);
+        }
+    }
+    std::cout << "light off by " << 100.0 * apart / of << " % where it is not shown\n";
+    EXPECT_GT(apart, 0.0);
+    EXPECT_LT(apart, 0.1 * of);
+}
+
 TEST(LightDomains, MovingKeepsLightAndTracesOnlyWhatChanges) {
     const Context context = Context::headless();
     const Octree octree = dogleg(7);

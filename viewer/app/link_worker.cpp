@@ -2,16 +2,18 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "octree/error.h"
 
 namespace glowworm {
 
-LinkWorker::LinkWorker(const OctreeView& octree, const LinkSettings& settings)
+LinkWorker::LinkWorker(const OctreeView& octree, const LinkSettings& settings,
+                       std::shared_ptr<const RayTracer> tracer)
     : settings_(settings) {
-    thread_ = std::thread([this, octree] {
+    thread_ = std::thread([this, octree, tracer = std::move(tracer)] {
         try {
-            trace(octree);
+            trace(octree, tracer);
         } catch (...) {
             failure_ = std::current_exception();
             failed_ = true;
@@ -24,8 +26,8 @@ LinkWorker::~LinkWorker() {
     thread_.join();
 }
 
-void LinkWorker::trace(const OctreeView& octree) {
-    const LinkTracer tracer(octree, settings_.trace);
+void LinkWorker::trace(const OctreeView& octree, std::shared_ptr<const RayTracer> rays_of) {
+    const LinkTracer tracer(octree, std::move(rays_of));
     std::vector<std::uint32_t> rows(octree.lobes.size());
     std::iota(rows.begin(), rows.end(), 0u);
     links_.resize(rows.size() * settings_.rays);

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <exception>
+#include <memory>
 #include <thread>
 #include <vector>
 
@@ -12,11 +13,13 @@
 namespace glowworm {
 
 /// Traces an octree's links beside the window's thread, so that it keeps drawing: a few rays of
-/// every lobe first, then as many again, until there are all. The octree must outlive it.
+/// every lobe first, then as many again, until there are all, by a tracer of the octree, which must
+/// outlive it.
 /// Destroyed before it is done, it cancels.
 class LinkWorker {
   public:
-    LinkWorker(const OctreeView& octree, const LinkSettings& settings);
+    LinkWorker(const OctreeView& octree, const LinkSettings& settings,
+               std::shared_ptr<const RayTracer> tracer);
     ~LinkWorker();
     LinkWorker(const LinkWorker&) = delete;
     LinkWorker& operator=(const LinkWorker&) = delete;
@@ -28,7 +31,7 @@ class LinkWorker {
     LinkRows first_rays(std::uint32_t rays) const { return {links_, settings_.rays, rays}; }
 
   private:
-    void trace(const OctreeView& octree);
+    void trace(const OctreeView& octree, std::shared_ptr<const RayTracer> rays_of);
 
     LinkSettings settings_;
     std::atomic<double> share_done_ = 0.0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 namespace glowworm {
 namespace {
@@ -18,8 +19,14 @@ constexpr auto kInjectTime = std::chrono::milliseconds(50);  // between two fram
 LiveLight::LiveLight(const Context& context, const OctreeView& octree, const Scene& scene,
                      const LightSettings& settings, std::optional<int> bounces,
                      std::uint64_t most_groups)
+    : LiveLight(context, octree, scene, settings, bounces, most_groups,
+                make_light_ground(octree, settings.trace, false)) {}
+
+LiveLight::LiveLight(const Context& context, const OctreeView& octree, const Scene& scene,
+                     const LightSettings& settings, std::optional<int> bounces,
+                     std::uint64_t most_groups, LightGround ground)
     : scene_(scene), settings_(settings), most_bounces_(bounces) {
-    field_ = std::make_unique<LightField>(context, octree, scene, settings);
+    field_ = std::make_unique<LightField>(context, octree, scene, settings, std::move(ground));
     const bool links = settings.gather == Gather::kLinks && !settings.faithful;
     const bool baked = octree.links_per_lobe >= settings.links;
     if (bounces == 0) {
@@ -28,7 +35,8 @@ LiveLight::LiveLight(const Context& context, const OctreeView& octree, const Sce
         grouped_ = std::make_unique<GroupedLight>(octree, settings, most_groups);
     } else if (links && context.device().software && !baked) {
         worker_ = std::make_unique<LinkWorker>(
-            octree, LinkSettings{.rays = settings.links, .trace = settings.trace});
+            octree, LinkSettings{.rays = settings.links, .trace = settings.trace},
+            field_->direct().tracer());
     }
 }
 

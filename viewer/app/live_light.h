@@ -23,6 +23,10 @@ class LiveLight {
     LiveLight(const Context& context, const OctreeView& octree, const Scene& scene,
               const LightSettings& settings, std::optional<int> bounces,
               std::uint64_t most_groups = 0);
+    /// With the octree's ground, worked out before.
+    LiveLight(const Context& context, const OctreeView& octree, const Scene& scene,
+              const LightSettings& settings, std::optional<int> bounces, std::uint64_t most_groups,
+              LightGround ground);
 
     void set_scene(const Scene& scene);
     /// Where the camera is (m, world): grouped light becomes finer there, by and by.

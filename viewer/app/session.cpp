@@ -64,12 +64,14 @@ SessionEnd Session::run() {
     try {
         while (goes_on() && !lost) {
             step();
+            longest_step_ = std::max(longest_step_, now_seconds() - stepped_at_);
             lost = window_.context_lost();
         }
     } catch (const Error&) {  // what a context says that is no more there does not count
         lost = window_.context_lost();
         if (!lost) throw;
     }
+    spdlog::debug("the longest time between two looks for input {:.2f} s", longest_step_);
     if (next_) return std::move(*next_);
     if (!lost) return WindowClosed{};
     spdlog::warn("the graphics driver was reset: opening the window anew");
@@ -95,7 +97,8 @@ void Session::step() {
     take_input(seconds);
     move_headlamp();
     const bool drawn = draw();
-    const bool settled = !light_wanted_ && (!light_ || light_->settled());
+    const bool coming = light_wanted_ || ground_.valid();
+    const bool settled = !coming && (!light_ || light_->settled());
     idle_ = !drawn && (settled || !light_ || !light_->injecting());
     if (window_.input().take_stir() || drawn || !settled) stirred_at_ = now_seconds();
     // For a while longer: the exposure settles, the panel answers.
@@ -186,7 +189,10 @@ void Session::step_light() {
         say(sentence);
     };
     try {
-        if (light_wanted_ && shown_ > 0) make_light();
+        if (light_wanted_ && shown_ > 0) begin_light();
+        if (ground_.valid() &&
+            ground_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
+            make_light(ground_.get());
         relight_if_changed();
         // What takes long waits until nothing moves.
         const bool waits = light_ && light_->injecting() && resting_seconds() < kRestSeconds;
@@ -201,14 +207,25 @@ void Session::step_light() {
     }
 }
 
-/// Light as the settings say, from the beginning.
-void Session::make_light() {
+/// Works out beside the window's thread what light stands on.
+void Session::begin_light() {
+    if (ground_.valid()) return;
     light_wanted_ = false;
     light_.reset();
+    ground_ = std::async(std::launch::async, [this] { return ground(); });
+}
+
+LightGround Session::ground() const {
+    return make_light_ground(cave_.light(), {}, runs_compiled(context_, {}));
+}
+
+/// Light as the settings say, from the beginning.
+void Session::make_light(LightGround ground) {
+    light_wanted_ = false;
     const auto bounces = state_.limit_bounces ? std::optional(state_.bounces) : std::nullopt;
     const Scene scene = lit_scene();
     light_ = std::make_unique<LiveLight>(context_, cave_.light(), scene, state_.light, bounces,
-                                         cave_.light_groups);
+                                         cave_.light_groups, std::move(ground));
     frame_.set_panels(scene.area_lights);
     lit_by_ = lit_by();
     frame_.spoil();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -47,7 +48,9 @@ class Session {
     void relight_if_changed();
     void move_headlamp();
     void step_light();
-    void make_light();
+    void begin_light();
+    LightGround ground() const;
+    void make_light(LightGround ground);
     void show(double seconds);
     double resting_seconds() const;
     void moved();
@@ -128,6 +131,8 @@ class Session {
 
     int shown_ = 0;  // pictures
     double stepped_at_;
+    double longest_step_ = 0.0;  // s
+    std::future<LightGround> ground_;
     double moved_at_ = 0.0;  // s, of now_seconds()
     double metered_at_ = 0.0;
     double stirred_at_ = 0.0;  // s: something was done or drawn

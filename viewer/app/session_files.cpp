@@ -62,7 +62,7 @@ void Session::save_picture() {
     try {
         require_writable_output(name + ".png", true);  // before time is spent on it
         report(0, 1);
-        if (!light_) make_light();
+        if (!light_) make_light(ground_.valid() ? ground_.get() : ground());
         relight_if_changed();
         const View view = view_of_size(size.width, size.height);
         const FrameLayers layers = frame_.render(view, light_->field(), report);

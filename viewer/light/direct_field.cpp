@@ -22,13 +22,14 @@ bool same_place(const gpu::Light& a, const gpu::Light& b) {
 }  // namespace
 
 DirectField::DirectField(const Context& context, const OctreeView& octree,
-                         const LightSettings& settings)
+                         const LightSettings& settings, LightGround ground)
     : context_(context),
       octree_(octree),
       settings_(settings),
-      gpu_octree_(upload(context, octree, settings)),
+      gpu_octree_(upload(context, octree, ground.closed, settings)),
       grid_("light grid", sizeof(gpu::LightGrid)),
-      irradiance_("direct irradiance", octree.lobes.size() * sizeof(gpu::vec4)) {}
+      irradiance_("direct irradiance", octree.lobes.size() * sizeof(gpu::vec4)),
+      tracer_(std::move(ground.tracer)) {}
 
 void DirectField::set_lights(std::vector<gpu::Light> lights) {
     if (!std::ranges::equal(lights, lights_, same_place)) lamp_looks_.reset();

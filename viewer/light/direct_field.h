@@ -22,7 +22,8 @@ namespace glowworm {
 class DirectField {
   public:
     /// Uploads the octree; there are no lamps yet.
-    DirectField(const Context& context, const OctreeView& octree, const LightSettings& settings);
+    DirectField(const Context& context, const OctreeView& octree, const LightSettings& settings,
+                LightGround ground);
 
     /// Other lamps; lobes get their light by inject_more().
     void set_lights(std::vector<gpu::Light> lights);

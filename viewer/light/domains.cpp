@@ -17,12 +17,13 @@
 namespace glowworm {
 namespace {
 
-constexpr float kSameSide = 0.5f;           // cosine of 60 degrees, as where lobes are told apart
-constexpr float kNear = 0.25f;              // domain edges: no domain lies nearer to a focus
-constexpr float kUnseen = 2.0f;             // times as far
-constexpr float kFine = 64.0f;              // leaf edges: nearer lobes have light of their own
-constexpr float kShown = 3.0f;              // domain edges
-constexpr std::uint32_t kRaysToSee = 1024;  // of a focus
+constexpr float kSameSide = 0.5f;  // cosine of 60 degrees, as where lobes are told apart
+constexpr float kNear = 0.25f;     // domain edges: no domain lies nearer to a focus
+constexpr float kUnseen = 2.0f;    // times as far
+constexpr float kFine = 64.0f;     // leaf edges: nearer lobes have light of their own
+constexpr float kShown = 3.0f;     // domain edges
+constexpr std::uint32_t kRaysToSee = 1 << 10;  // of a lamp
+constexpr std::uint32_t kRaysOfEye = 1 << 14;
 constexpr std::size_t kFociThatSee = 16;
 constexpr std::size_t kClasses = 7;  // axes a lobe may face along, and what emits
 
@@ -111,7 +112,8 @@ LightDomains::LightDomains(const OctreeView& octree) : octree_(octree) {
     }
     for (const std::uint32_t node : edges_[0])
         lobes_.push_back(first_lobe(depth, node));
-    for (const std::uint64_t code : codes_of_level(octree, level_))
+    codes_ = codes_of_level(octree, level_);
+    for (const std::uint64_t code : codes_)
         low_.push_back(vec3_cast<float>(octree.grid.cell_min(morton_decode(code), level_)));
     sizes_.assign(most_coarser_ + 1, std::vector<std::uint32_t>(domains.node_count));
     tbb::parallel_for(std::uint32_t{0}, domains.node_count, [&](std::uint32_t d) {
@@ -147,6 +149,21 @@ float LightDomains::distance(std::size_t domain, const Vec3f& place) const {
     return length(off);
 }
 
+/// count() where there is none.
+std::size_t LightDomains::domain_at(const Vec3f& place) const {
+    const Grid& grid = octree_.grid;
+    for (int a = 0; a < 3; ++a) {
+        if (!(place[a] >= grid.cube_min[a] && place[a] < grid.cube_min[a] + grid.cube_edge))
+            return count();
+    }
+    const std::uint64_t code =
+        grid.code_of(vec3_cast<double>(place)) >> (3 * (kMortonLevels - level_));
+    const auto found = std::ranges::lower_bound(codes_, code);
+    return found != codes_.end() && *found == code
+               ? static_cast<std::size_t>(found - codes_.begin())
+               : count();
+}
+
 std::uint64_t LightDomains::least_groups() const {
     return sizes_.empty()
                ? 0
@@ -156,21 +173,23 @@ std::uint64_t LightDomains::least_groups() const {
 std::vector<std::uint8_t> LightDomains::seen_from(std::span<const Focus> foci) const {
     std::vector<std::uint8_t> seen(count(), 0);
     const std::size_t looking = std::min(foci.size(), kFociThatSee);
-    std::vector<std::uint32_t> met(looking * kRaysToSee);
-    tbb::parallel_for(std::size_t{0}, met.size(), [&](std::size_t i) {
-        const auto k = static_cast<double>(i % kRaysToSee);
-        const double z = 1.0 - (2.0 * k + 1.0) / kRaysToSee;
-        const double turn = 2.0 * std::numbers::pi * std::numbers::phi * k;
-        const double r = std::sqrt(1.0 - z * z);
-        Ray ray;
-        ray.origin = foci[i / kRaysToSee].position;
-        ray.direction = vec3_cast<float>(Vec3d{r * std::cos(turn), r * std::sin(turn), z});
-        met[i] = trace_ray(octree_, {}, ray).lobe;
-    });
-    for (const std::uint32_t lobe : met) {
-        if (lobe >= octree_.lobes.size()) continue;
-        const auto after = std::upper_bound(lobes_.begin(), lobes_.end(), lobe);
-        seen[static_cast<std::size_t>(after - lobes_.begin()) - 1] = 1;
+    for (const Focus& focus : foci.first(looking)) {
+        std::vector<std::uint32_t> met(focus.is_eye() ? kRaysOfEye : kRaysToSee);
+        tbb::parallel_for(std::size_t{0}, met.size(), [&](std::size_t i) {
+            const auto k = static_cast<double>(i);
+            const double z = 1.0 - (2.0 * k + 1.0) / static_cast<double>(met.size());
+            const double turn = 2.0 * std::numbers::pi * std::numbers::phi * k;
+            const double r = std::sqrt(1.0 - z * z);
+            Ray ray;
+            ray.origin = focus.position;
+            ray.direction = vec3_cast<float>(Vec3d{r * std::cos(turn), r * std::sin(turn), z});
+            met[i] = trace_ray(octree_, {}, ray).lobe;
+        });
+        for (const std::uint32_t lobe : met) {
+            if (lobe >= octree_.lobes.size()) continue;
+            const auto after = std::upper_bound(lobes_.begin(), lobes_.end(), lobe);
+            seen[static_cast<std::size_t>(after - lobes_.begin()) - 1] = 1;
+        }
     }
     return seen;
 }
@@ -217,13 +236,21 @@ std::vector<std::uint8_t> LightDomains::choose(std::span<const Focus> foci,
 std::vector<std::uint8_t> LightDomains::shown_to(std::span<const Focus> foci) const {
     std::vector<Focus> eyes;
     std::ranges::copy_if(foci, std::back_inserter(eyes),
-                         [](const Focus& focus) { return focus.remote <= 1.0f; });
-    std::vector<std::uint8_t> shown = seen_from(eyes);
+                         [](const Focus& focus) { return focus.is_eye(); });
+    const std::vector<std::uint8_t> seen = seen_from(eyes);
+    std::vector<std::uint8_t> shown(count(), 0);
     tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t d) {
-        const auto is_near = [&](const Focus& eye) {
-            return distance(d, eye.position) <= kShown * edge();
-        };
-        if (shown[d] == 0 && std::ranges::any_of(eyes, is_near)) shown[d] = 1;
+        const Vec3f middle = low_[d] + Vec3f{0.5f, 0.5f, 0.5f} * edge();
+        bool is_shown = std::ranges::any_of(
+            eyes, [&](const Focus& eye) { return distance(d, eye.position) <= kShown * edge(); });
+        for (int step = 0; step < 27 && !is_shown; ++step) {
+            const Vec3f toward{static_cast<float>(step % 3 - 1),
+                               static_cast<float>(step / 3 % 3 - 1),
+                               static_cast<float>(step / 9 - 1)};
+            const std::size_t beside = domain_at(middle + toward * edge());
+            is_shown = beside < count() && seen[beside] != 0;
+        }
+        shown[d] = is_shown ? 1 : 0;
     });
     return shown;
 }

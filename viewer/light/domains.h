@@ -31,7 +31,9 @@ struct LightGroups {
 /// A place that matters to what is seen: light near it is simulated finely.
 struct Focus {
     Vec3f position;       ///< m, relative to the octree's origin
-    float remote = 1.0f;  ///< distances from it count so many times
+    float remote = 1.0f;  ///< distances from it count so many times; of an eye once
+
+    bool is_eye() const { return remote <= 1.0f; }
 };
 
 /// The octree's subtrees (the paper's "multiple SVOs") of up to 16 leaves along an edge, each of
@@ -53,7 +55,7 @@ class LightDomains {
     /// each doubling of the distance, what no focus sees counting as twice as far. All as coarse as
     /// can be where that is still too many.
     std::vector<std::uint8_t> choose(std::span<const Focus> foci, std::uint64_t most_groups) const;
-    /// [domains] 1 where an eye (a focus that counts once) sees any of it, or it lies within three
+    /// [domains] 1 where an eye sees any of it or of a domain beside it, or it lies within three
     /// domains of one: where pictures look light up.
     std::vector<std::uint8_t> shown_to(std::span<const Focus> foci) const;
     LightGroups group(std::vector<std::uint8_t> coarser,
@@ -70,11 +72,13 @@ class LightDomains {
     std::vector<std::uint32_t> walls_of(const LightGroups& groups) const;
     std::vector<std::uint8_t> seen_from(std::span<const Focus> foci) const;
     float distance(std::size_t domain, const Vec3f& place) const;  // m, 0 inside
+    std::size_t domain_at(const Vec3f& place) const;
 
     OctreeView octree_;
     std::uint32_t most_coarser_ = 0, level_ = 0;
     std::vector<std::vector<std::uint32_t>> edges_;  // [coarser][domains + 1] first node
     std::vector<std::uint32_t> lobes_;               // [domains + 1] first lobe
+    std::vector<std::uint64_t> codes_;               // [domains] Morton, ascending
     std::vector<Vec3f> low_;                         // [domains] m, lower corners
     std::vector<std::vector<std::uint32_t>> sizes_;  // [coarser][domains] groups
 };

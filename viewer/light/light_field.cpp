@@ -28,10 +28,15 @@ bool shines(const gpu::vec4& radiance) {
 
 LightField::LightField(const Context& context, const OctreeView& octree, const Scene& scene,
                        const LightSettings& settings)
+    : LightField(context, octree, scene, settings,
+                 make_light_ground(octree, settings.trace, false)) {}
+
+LightField::LightField(const Context& context, const OctreeView& octree, const Scene& scene,
+                       const LightSettings& settings, LightGround ground)
     : context_(context),
       octree_(octree),
       settings_(settings),
-      direct_(context, octree, settings),
+      direct_(context, octree, settings, std::move(ground)),
       indirect_("indirect irradiance", field_bytes(octree)),
       radiance_("outgoing radiance", field_bytes(octree)),
       gathered_("gathered irradiance", field_bytes(octree)),

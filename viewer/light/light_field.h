@@ -33,6 +33,9 @@ class LightField {
     /// Uploads; no light is reflected yet.
     LightField(const Context& context, const OctreeView& octree, const Scene& scene,
                const LightSettings& settings = {});
+    /// With the octree's ground, worked out before.
+    LightField(const Context& context, const OctreeView& octree, const Scene& scene,
+               const LightSettings& settings, LightGround ground);
 
     /// Other lights or radiances, which frames and probes see at once; lobes get them by
     /// direct().inject_more() or when light is next reflected. Indirect light stays as it is and is

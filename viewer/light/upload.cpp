@@ -112,7 +112,18 @@ bool fits_shaders(const Context& context, const OctreeView& octree) {
                        octree.lobes.size() * std::max(sizeof(Lobe), sizeof(gpu::LobeLight)));
 }
 
-GpuOctree upload(const Context& context, const OctreeView& octree, const LightSettings& settings) {
+LightGround make_light_ground(const OctreeView& octree, const TraceSettings& settings,
+                              bool with_tracer) {
+    LightGround ground{close_patches(octree), nullptr};
+    if (!with_tracer) return ground;
+    OctreeView closed = octree;
+    closed.lobes = ground.closed;
+    ground.tracer = std::make_shared<RayTracer>(closed, settings);
+    return ground;
+}
+
+GpuOctree upload(const Context& context, const OctreeView& octree, std::span<const Lobe> closed,
+                 const LightSettings& settings) {
     const bool cones = settings.gather == Gather::kCones || settings.faithful;
     if (cones || !runs_compiled(context, settings)) {
         check_binding(context, "nodes", octree.nodes.size_bytes());
@@ -120,8 +131,7 @@ GpuOctree upload(const Context& context, const OctreeView& octree, const LightSe
     }
     GpuOctree uploaded;
     uploaded.nodes = Buffer::of("octree nodes", octree.nodes);
-    const std::vector<Lobe> closed = close_patches(octree);
-    uploaded.lobes = Buffer::of("octree lobes", std::span<const Lobe>(closed));
+    uploaded.lobes = Buffer::of("octree lobes", closed);
     uploaded.grid = {
         .cube_min_x = octree.grid.cube_min.x,
         .cube_min_y = octree.grid.cube_min.y,

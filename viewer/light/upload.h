@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "octree/octree_file.h"
+#include "octree/ray_tracer.h"
 #include "octree/scene.h"
 #include "shaders/gpu_layout.h"
 #include "viewer/gpu/context.h"
@@ -33,9 +36,18 @@ bool runs_compiled(const Context& context, const LightSettings& settings);
 /// Whether shaders of `context` can see all of the octree and the light of its lobes.
 bool fits_shaders(const Context& context, const OctreeView& octree);
 
-/// Throws Error (kBudget) where shaders would read it and a section is larger than one binding of
-/// `context` may show.
-GpuOctree upload(const Context& context, const OctreeView& octree, const LightSettings& settings);
+/// What light needs of an octree and what takes a while to work out of a large one, without OpenGL.
+struct LightGround {
+    std::vector<Lobe> closed;                 ///< close_patches.h
+    std::shared_ptr<const RayTracer> tracer;  ///< of them; null where only the GPU traces
+};
+LightGround make_light_ground(const OctreeView& octree, const TraceSettings& settings,
+                              bool with_tracer);
+
+/// `closed` are the octree's lobes with closed patches. Throws Error (kBudget) where shaders would
+/// read it and a section is larger than one binding of `context` may show.
+GpuOctree upload(const Context& context, const OctreeView& octree, std::span<const Lobe> closed,
+                 const LightSettings& settings);
 
 /// The scene's lights relative to the octree's origin. An area light's tag is that of the octree's
 /// area light with its name, else of one at the same place. Left out under `faithful`, where area
