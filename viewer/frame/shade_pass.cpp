@@ -380,7 +380,7 @@ static_assert(SHADE_TILE == kLanes && kBlock % SHADE_TILE == 0 && kBlock % Shade
 void shade_on_cpu(const GBuffer& gbuffer, const LightField& light, const ShadePassInput& input,
                   const ShadedLayers& layers) {
     using gpu::vec4;
-    const RayTracer& tracer = light.direct().tracer();  // which maps what is mapped below
+    const RayTracer& tracer = *light.direct().tracer();  // which maps what is mapped below
     const auto nodes = light.octree().nodes.map<const Node>();
     const auto lobes = light.octree().lobes.map<const Lobe>();
     const auto lobe_lights = light.lobe_lights().map<const gpu::LobeLight>();

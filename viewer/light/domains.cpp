@@ -22,8 +22,8 @@ constexpr float kNear = 0.25f;     // domain edges: no domain lies nearer to a f
 constexpr float kUnseen = 2.0f;    // times as far
 constexpr float kFine = 64.0f;     // leaf edges: nearer lobes have light of their own
 constexpr float kShown = 3.0f;     // domain edges
-constexpr std::uint32_t kRaysToSee = 1 << 10;  // of a lamp
-constexpr std::uint32_t kRaysOfEye = 1 << 14;
+constexpr std::uint32_t kRaysToSee = 1 << 10;  // of a focus
+constexpr std::uint32_t kRaysToShow = 1 << 14;
 constexpr std::size_t kFociThatSee = 16;
 constexpr std::size_t kClasses = 7;  // axes a lobe may face along, and what emits
 
@@ -170,11 +170,12 @@ std::uint64_t LightDomains::least_groups() const {
                : std::accumulate(sizes_.back().begin(), sizes_.back().end(), std::uint64_t{0});
 }
 
-std::vector<std::uint8_t> LightDomains::seen_from(std::span<const Focus> foci) const {
+std::vector<std::uint8_t> LightDomains::seen_from(std::span<const Focus> foci,
+                                                  std::uint32_t rays) const {
     std::vector<std::uint8_t> seen(count(), 0);
     const std::size_t looking = std::min(foci.size(), kFociThatSee);
     for (const Focus& focus : foci.first(looking)) {
-        std::vector<std::uint32_t> met(focus.is_eye() ? kRaysOfEye : kRaysToSee);
+        std::vector<std::uint32_t> met(rays);
         tbb::parallel_for(std::size_t{0}, met.size(), [&](std::size_t i) {
             const auto k = static_cast<double>(i);
             const double z = 1.0 - (2.0 * k + 1.0) / static_cast<double>(met.size());
@@ -196,7 +197,7 @@ std::vector<std::uint8_t> LightDomains::seen_from(std::span<const Focus> foci) c
 
 std::vector<std::uint8_t> LightDomains::choose(std::span<const Focus> foci,
                                                std::uint64_t most_groups) const {
-    const std::vector<std::uint8_t> seen = seen_from(foci);
+    const std::vector<std::uint8_t> seen = seen_from(foci, kRaysToSee);
     std::vector<float> far(count(), foci.empty() ? 1.0f : 1e30f);
     tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t d) {
         for (const Focus& focus : foci) {
@@ -237,7 +238,7 @@ std::vector<std::uint8_t> LightDomains::shown_to(std::span<const Focus> foci) co
     std::vector<Focus> eyes;
     std::ranges::copy_if(foci, std::back_inserter(eyes),
                          [](const Focus& focus) { return focus.is_eye(); });
-    const std::vector<std::uint8_t> seen = seen_from(eyes);
+    const std::vector<std::uint8_t> seen = seen_from(eyes, kRaysToShow);
     std::vector<std::uint8_t> shown(count(), 0);
     tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t d) {
         const Vec3f middle = low_[d] + Vec3f{0.5f, 0.5f, 0.5f} * edge();

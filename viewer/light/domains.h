@@ -70,7 +70,7 @@ class LightDomains {
   private:
     std::uint32_t first_lobe(std::uint32_t level, std::uint32_t node) const;
     std::vector<std::uint32_t> walls_of(const LightGroups& groups) const;
-    std::vector<std::uint8_t> seen_from(std::span<const Focus> foci) const;
+    std::vector<std::uint8_t> seen_from(std::span<const Focus> foci, std::uint32_t rays) const;
     float distance(std::size_t domain, const Vec3f& place) const;  // m, 0 inside
     std::size_t domain_at(const Vec3f& place) const;
 
