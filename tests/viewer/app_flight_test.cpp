@@ -134,6 +134,17 @@ TEST(Flight, BecomesNumberedFramesWhereTheOutputIsAFolder) {
     EXPECT_EQ(names_in(flight.folder / "ready.made").size(), 7u);
 }
 
+TEST(Flight, SaysWhenGpuMemoryHasItDrawnCoarser) {
+    const Flight flight;
+    const auto warning = ::testing::HasSubstr("--gpu-memory has no room");
+    const Ended roomy = flight.fly("roomy");
+    ASSERT_EQ(roomy.code, 0) << roomy.err;
+    EXPECT_THAT(roomy.err, ::testing::Not(warning));
+    const Ended narrow = flight.fly("narrow", {"--gpu-memory", "10K"});
+    ASSERT_EQ(narrow.code, 0) << narrow.err;
+    EXPECT_THAT(narrow.err, warning);
+}
+
 TEST(Flight, RefusesWhatCannotBeAFlightsOutput) {
     const Flight flight;
     std::ofstream(flight.folder / "file") << "text";

@@ -1,5 +1,8 @@
 #include "viewer/app/flight.h"
 
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -136,6 +139,7 @@ nlohmann::ordered_json render_flight(const Context& context, const Cave& cave, L
     frame.set_panels(start.scene.area_lights);
 
     DisplaySettings display = options.display;
+    std::uint64_t without_room = 0;
     for (int i = 0; i < count; ++i) {
         const Camera camera = camera_of_frame(path, i, start, options);
         if (grouped != nullptr && grouped->is_far_from(camera.position)) {
@@ -145,6 +149,7 @@ nlohmann::ordered_json render_flight(const Context& context, const Cave& cave, L
         lamp.carry_to(camera, light);
         const View view = view_of(camera);
         const FrameLayers layers = frame.render(view, light);
+        without_room = std::max(without_room, frame.surfels_without_room());
         if (!options.display.exposure && output.exposed()) {
             const double wanted = measured_exposure(layers);
             const double before = display.exposure.value_or(wanted);
@@ -155,6 +160,12 @@ nlohmann::ordered_json render_flight(const Context& context, const Cave& cave, L
         progress(static_cast<std::uint64_t>(i) + 1, static_cast<std::uint64_t>(count));
     }
     output.finish();
+    if (without_room > 0) {
+        spdlog::warn(
+            "drawn coarser than it is: --gpu-memory has no room for up to {} of the points that a "
+            "frame of this path wants",
+            without_room);
+    }
     return {{"frames", count}, {"fps", path.fps}, {"width", first.width}, {"height", first.height}};
 }
 

@@ -83,6 +83,7 @@ void LiveFrame::draw_whole(const LiveLight* light, int divisor) {
     state_.frame_ms = took.count() * 1e3;
     state_.divisor = divisor;
     state_.points_drawn = frame_.surfels_drawn();
+    state_.points_without_room = frame_.surfels_without_room();
     state_.frame_history.push_back(static_cast<float>(state_.frame_ms));
     if (state_.frame_history.size() > kFramesRemembered) {
         state_.frame_history.erase(state_.frame_history.begin());

@@ -105,6 +105,10 @@ void draw_statistics_section(WindowState& state) {
             ImGui::Text("%-14s %8.2f ms", name.c_str(), ms);
     }
     ImGui::Text("%llu points drawn", static_cast<unsigned long long>(state.points_drawn));
+    if (state.points_without_room > 0) {
+        ImGui::TextWrapped("coarser than it is: --gpu-memory has no room for %llu more",
+                           static_cast<unsigned long long>(state.points_without_room));
+    }
     ImGui::Text("%.0f MB of memory", static_cast<double>(resident_bytes()) / 1e6);
     ImGui::TextWrapped("%s", state.file_facts.c_str());
 }

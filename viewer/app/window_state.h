@@ -96,6 +96,7 @@ struct WindowState {
     bool measure_passes = false;
     std::vector<std::pair<std::string, double>> passes;  ///< ms
     std::uint64_t points_drawn = 0;
+    std::uint64_t points_without_room = 0;  ///< of those wanted, in --gpu-memory
     std::string file_facts;
 };
 
