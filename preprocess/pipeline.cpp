@@ -198,9 +198,13 @@ std::filesystem::path octree_part(const WorkFolder& work) {
     return work.part("octree");
 }
 
+bool load_registration(const WorkFolder& work, Conversion& kept) {
+    return load_report(work, "registration", {}, kept);
+}
+
 std::string kept_poses(const WorkFolder& work) {
     Conversion kept;
-    return load_report(work, "registration", {}, kept) ? format_poses(kept.registration.poses) : "";
+    return load_registration(work, kept) ? format_poses(kept.registration.poses) : "";
 }
 
 Conversion convert_scans(std::span<const ScanInput> inputs, const ConvertSettings& settings,

@@ -83,6 +83,10 @@ Conversion convert_scans(std::span<const ScanInput> inputs, const ConvertSetting
 /// The octree without links that the build keeps.
 std::filesystem::path octree_part(const WorkFolder& work);
 
+/// What the stages up to the registration had to say, as the last run kept it; false where it did
+/// not.
+bool load_registration(const WorkFolder& work, Conversion& kept);
+
 /// The poses that an earlier run found and kept, as the text of a poses.json; empty where there are
 /// none.
 std::string kept_poses(const WorkFolder& work);

@@ -73,6 +73,8 @@ std::string verdict(const RunPage& page) {
                            ? "<p class=\"verdict good\">Every scan is placed and held.</p>\n"
                            : fmt::format("<p class=\"verdict bad\">Look at the poses: {}.</p>\n",
                                          escaped(page.doubt));
+    if (page.frame_png.empty() && page.levels.empty())
+        html += fmt::format("<p class=\"verdict bad\">{}</p>\n", escaped(page.no_frame));
     if (!page.warnings.empty()) {
         html += fmt::format("<p class=\"verdict\"><a href=\"#warnings\">{} warning{}</a></p>\n",
                             page.warnings.size(), page.warnings.size() == 1 ? "" : "s");
@@ -131,9 +133,12 @@ std::string format_page(const RunPage& page) {
         escaped(page.title), kStyle, escaped(page.title), escaped(page.made));
     html += verdict(page);
     html += table(page.facts, false);
-    html += "<h2>First frame</h2>\n";
-    html += page.frame_png.empty() ? fmt::format("<p>{}</p>\n", escaped(page.no_frame))
-                                   : picture(page.frame_png, "the cave from its first station");
+    if (!page.frame_png.empty()) {
+        html +=
+            "<h2>First frame</h2>\n" + picture(page.frame_png, "the cave from its first station");
+    } else if (!page.levels.empty()) {
+        html += fmt::format("<h2>First frame</h2>\n<p>{}</p>\n", escaped(page.no_frame));
+    }
     if (!page.plan_png.empty()) {
         html += "<h2>From above</h2>\n<p>A colour for each scan, stations as ringed discs.</p>\n" +
                 picture(page.plan_png, "plan view of the placed scans");
@@ -141,7 +146,7 @@ std::string format_page(const RunPage& page) {
     html += "<h2 id=\"warnings\">Warnings</h2>\n" + warning_list(page.warnings);
     html += "<h2>How far each scan is trusted</h2>\n<pre>" + escaped(page.trust) + "</pre>\n";
     html += kTrustKey;
-    html += "<h2>Octree, per level</h2>\n" + table(page.levels, true);
+    if (!page.levels.empty()) html += "<h2>Octree, per level</h2>\n" + table(page.levels, true);
     html += "<h2>Time of this run</h2>\n" + time_table(page.timings);
     return html;
 }

@@ -99,7 +99,7 @@ def data_sets(data):
         "gi box": [f"{data}/gi/B_box/points.ply"],
         "gi dogleg": [f"{data}/gi/C_dogleg/points.ply"],
         "gi cavern": [f"{data}/gi/D_cavern/points.ply"],
-        "indoor.laz": [f"{data}/formats/loaders.gl/indoor.laz"],
+        "indoor.laz": [f"{data}/formats/loaders.gl/modules/las/test/data/indoor.laz"],
         "edgar mine": lambda: [points_of_mesh(f"{data}/mine_meshes/edgar_mine.ply", 300000)],
         "pittsburgh mine": lambda: [points_of_mesh(f"{data}/mine_meshes/pittsburgh_mine.ply", 300000)],
     }

@@ -145,6 +145,18 @@ void write_page(Run& run, const ConvertFlags& flags, const Conversion& done,
     spdlog::info("what there is to see at a glance is in {}", flags.report.string());
 }
 
+/// What there is to see of a run that ends here: its warnings, which may say why, and its page.
+void say_distrust(const fs::path& output, const ConvertFlags& flags, const Error& error,
+                  std::span<const ScanInput> inputs, const WorkFolder& work,
+                  const TimedPhases& phases) {
+    Conversion kept;
+    if (load_registration(work, kept)) say_warnings(kept.warnings);
+    if (flags.report.empty()) return;
+    write_distrust_page(flags.report, output, error.what(), inputs, flags.settings, work,
+                        phases.times());
+    spdlog::info("what there is to see at a glance is in {}", flags.report.string());
+}
+
 Json work_on(Run& run, const ConvertFlags& flags, std::span<const ScanInput> inputs,
              const WorkFolder& work) {
     const fs::path& output = run.flags.output;
@@ -162,8 +174,15 @@ Json work_on(Run& run, const ConvertFlags& flags, std::span<const ScanInput> inp
         }
         if (registration.poses.scans.size() > 1) say_trust(registration);
     };
-    const Conversion done =
-        convert_scans(inputs, flags.settings, begin, registered, work, flags.last_stage());
+    Conversion done;
+    try {
+        done = convert_scans(inputs, flags.settings, begin, registered, work, flags.last_stage());
+    } catch (const Error& error) {
+        if (error.code() != ExitCode::kNotTrustworthy) throw;
+        phases.end();
+        say_distrust(output, flags, error, inputs, work, phases);
+        throw;
+    }
     say_warnings(done.warnings);
     if (flags.until != "links") {
         run.console.end_phase();
@@ -214,19 +233,21 @@ Json run_convert(Run& run, ConvertFlags flags) {
     if (!flags.build.lights.empty()) read.push_back(flags.build.lights);
     const std::string settings = settings_hash(flags.settings);
     const std::string state = state_of(read, settings + GLOWWORM_VERSION);
-    const bool may_be_done = run.flags.resume && flags.until == "links" && fs::exists(output) &&
-                             fs::exists(poses_of(output));
+    const auto may_be_done = [&] {
+        return run.flags.resume && flags.until == "links" && fs::exists(output) &&
+               fs::exists(poses_of(output));
+    };
     const bool lacks_page = !flags.report.empty() && !fs::exists(flags.report);
-    if (may_be_done && !lacks_page && remembers(output, Record::kState, state))
+    if (may_be_done() && !lacks_page && remembers(output, Record::kState, state))
         return nothing_to_do(run);
     require_budget(run, files, flags.settings, Reach::kAll);
     const std::vector<ScanInput> inputs = describe_scans(files, run.console.phase("look", "bytes"));
     run.console.end_phase();
     flags.apply_provenance(inputs);
 
-    // 2. Alone from here on.
+    // 2. Alone from here on; another run may have done it meanwhile.
     const WorkFolder work(output, run.flags.temp_dir);
-    const bool made = may_be_done && provenance_of(output) == flags.settings.build.provenance;
+    const bool made = may_be_done() && provenance_of(output) == flags.settings.build.provenance;
     if (made && !lacks_page) {
         work.remove();
         remember_as(output, Record::kState, state);

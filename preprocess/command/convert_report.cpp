@@ -59,13 +59,18 @@ std::string share_of(std::size_t count, const Conversion& done) {
                        100.0 * static_cast<double>(count) / all);
 }
 
-Rows fact_rows(const Conversion& done, const OctreeStatistics& s) {
-    const Vec3d size = vec3_cast<double>(s.bounds_max - s.bounds_min);
+Rows read_rows(const Conversion& done) {
     const std::size_t scans = done.registration.poses.scans.size();
     return {
         {"scans placed", fmt::format("{} of {}", scans - done.registration.unregistered, scans)},
         {"points read", format_count(done.points)},
-        {"outliers removed", format_count(done.outliers)},
+        {"outliers removed", format_count(done.outliers)}};
+}
+
+Rows fact_rows(const Conversion& done, const OctreeStatistics& s) {
+    const Vec3d size = vec3_cast<double>(s.bounds_max - s.bounds_min);
+    Rows rows = read_rows(done);
+    const Rows more = {
         {"moving things removed", format_count(done.merge.moving)},
         {"surfels", format_count(s.samples)},
         {"extent", fmt::format("{:.1f} × {:.1f} × {:.1f} m", size.x, size.y, size.z)},
@@ -80,6 +85,8 @@ Rows fact_rows(const Conversion& done, const OctreeStatistics& s) {
         {"normals whose side nothing decided", share_of(done.surface.unsure_side, done)},
         {"normals that may be off by 11° and more", share_of(done.surface.weak, done)},
         {"albedo from", describe(done.surface.albedo)}};
+    rows.insert(rows.end(), more.begin(), more.end());
+    return rows;
 }
 
 /// "glowworm 0.1.0, 2026-11-22 23:52 UTC, of 6 files, 9.6 MB"
@@ -92,6 +99,27 @@ std::string say_made(std::span<const ScanInput> inputs) {
                        format_bytes(bytes));
 }
 
+/// What there is to say with and without an octree.
+RunPage page_of(const fs::path& octree, const Conversion& done, std::span<const ScanInput> inputs,
+                const ConvertSettings& settings, const WorkFolder& work,
+                std::span<const PhaseTime> timings) {
+    RunPage content;
+    content.title = octree.filename().string();
+    content.made = say_made(inputs);
+    content.doubt = distrust(done.registration);
+    content.warnings = done.warnings;
+    content.trust = trust_table(done.registration);
+    content.timings.assign(timings.begin(), timings.end());
+    content.plan_png = draw_plan(done, inputs, settings, work);
+    return content;
+}
+
+void write_page(const fs::path& page, const RunPage& content) {
+    AtomicFile html(page);
+    html.write(format_page(content));
+    html.commit();
+}
+
 }  // namespace
 
 void write_run_page(const fs::path& page, const fs::path& octree, const Conversion& done,
@@ -99,22 +127,24 @@ void write_run_page(const fs::path& page, const fs::path& octree, const Conversi
                     const WorkFolder& work, std::span<const PhaseTime> timings, Console& console) {
     const OctreeFile file = OctreeFile::open(octree);
     const OctreeStatistics statistics = measure_octree(file.view(), file.bytes());
-    RunPage content;
-    content.title = octree.filename().string();
-    content.made = say_made(inputs);
-    content.doubt = distrust(done.registration);
+    RunPage content = page_of(octree, done, inputs, settings, work, timings);
     content.facts = fact_rows(done, statistics);
-    content.warnings = done.warnings;
-    content.trust = trust_table(done.registration);
     content.levels = level_rows(statistics);
-    content.timings.assign(timings.begin(), timings.end());
-    content.plan_png = draw_plan(done, inputs, settings, work);
     FirstFrame frame = draw_first_frame(octree, work.part("frame").string() + ".png", console);
     content.frame_png = std::move(frame.png);
     content.no_frame = std::move(frame.why_not);
-    AtomicFile html(page);
-    html.write(format_page(content));
-    html.commit();
+    write_page(page, content);
+}
+
+void write_distrust_page(const fs::path& page, const fs::path& octree, const std::string& why,
+                         std::span<const ScanInput> inputs, const ConvertSettings& settings,
+                         const WorkFolder& work, std::span<const PhaseTime> timings) {
+    Conversion done;
+    if (!load_registration(work, done)) return;
+    RunPage content = page_of(octree, done, inputs, settings, work, timings);
+    content.facts = read_rows(done);
+    content.no_frame = "There is no octree: " + why + ".";
+    write_page(page, content);
 }
 
 }  // namespace glowworm

@@ -19,4 +19,11 @@ void write_run_page(const std::filesystem::path& page, const std::filesystem::pa
                     const ConvertSettings& settings, const WorkFolder& work,
                     std::span<const PhaseTime> timings, Console& console);
 
+/// The page of a conversion that ended, for the reason `why`, since its registration cannot be
+/// trusted: what there is without an octree. Nothing where `work` keeps no registration.
+void write_distrust_page(const std::filesystem::path& page, const std::filesystem::path& octree,
+                         const std::string& why, std::span<const ScanInput> inputs,
+                         const ConvertSettings& settings, const WorkFolder& work,
+                         std::span<const PhaseTime> timings);
+
 }  // namespace glowworm

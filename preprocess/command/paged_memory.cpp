@@ -22,7 +22,7 @@
 namespace glowworm {
 namespace {
 
-constexpr std::size_t kLarge = std::size_t{1} << 20;  // bytes: smaller blocks stay in memory
+constexpr std::size_t kLarge = std::size_t{1} << 17;  // bytes: smaller blocks stay in memory
 constexpr std::size_t kMostAddresses = std::size_t{1} << 44;  // of which none is used twice
 constexpr std::size_t kLeastAddresses = std::size_t{1} << 36;
 constexpr std::size_t kHead = 64;  // bytes before a block that say how long its mapping is; to

@@ -195,6 +195,7 @@ void require_budget(Run& run, const std::vector<fs::path>& files, const ConvertS
 
 Json plan_work(Run& run, const std::vector<fs::path>& files, const ConvertSettings& settings,
                Reach reach) {
+    page_memory(run);  // a part of all files is read
     const Progress progress = run.console.phase("look", "files");
     const Pilot pilot = reach == Reach::kSurface ? look_at_cloud(files.front(), settings.read,
                                                                  settings.surface, progress)

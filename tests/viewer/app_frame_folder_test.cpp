@@ -67,6 +67,25 @@ TEST(FrameFolder, SaysSoWhereAFrameCannotBePutInPlaceAndKeepsTheOldOnes) {
     EXPECT_THAT(names_in(frames), ElementsAre("000000.png", "000007.png"));
 }
 
+TEST(FrameFolder, RemovesWhatWasLeftBesideItAndInItWhereItIsThereByNow) {
+    const testing::ScratchFolder scratch;
+    const fs::path frames = scratch / "frames";
+    fs::create_directory(frames);
+    for (const fs::path& killed :
+         {scratch / ".frames.1.0.partial", frames / ".frames.2.0.partial"}) {
+        fs::create_directory(killed);
+        write(killed / "000000.png", "left");
+        age(killed);
+    }
+    {
+        const FrameFolder folder(frames, ".png");
+        write(folder.frame(0), "new");
+        folder.finish();
+    }
+    EXPECT_THAT(names_in(scratch.path()), ElementsAre("frames"));
+    EXPECT_THAT(names_in(frames), ElementsAre("000000.png"));
+}
+
 TEST(FrameFolder, RemovesWhatKilledFlightsLeftButNothingThatIsInUse) {
     const testing::ScratchFolder scratch;
     const fs::path frames = scratch / "frames", killed = scratch / ".frames.1.0.partial",

@@ -46,12 +46,15 @@ std::set<fs::path> frames_in(const fs::path& folder) {
     return names;
 }
 
-/// A new folder in `parent` for the frames of `output` until all are there; those of killed flights
-/// go.
+constexpr const char* kMark = ".partial";
+
+std::string prefix_of(const fs::path& output) {
+    return fmt::format(".{}.", output.filename().string());
+}
+
+/// A new folder in `parent` for the frames of `output` until all are there.
 fs::path make_unfinished(const fs::path& parent, const fs::path& output) {
-    const std::string prefix = fmt::format(".{}.", output.filename().string());
-    constexpr const char* kMark = ".partial";
-    remove_stale(parent, prefix, kMark);
+    const std::string prefix = prefix_of(output);
     // A killed flight may have had our process id, and still count as somebody's.
     for (int number = 0;; ++number) {
         const fs::path path = parent / fmt::format("{}{}.{}{}", prefix, ::getpid(), number, kMark);
@@ -87,6 +90,9 @@ void FrameFolder::require_writable(const fs::path& output, bool force) {
 FrameFolder::FrameFolder(const fs::path& path, const std::string& ending)
     : path_(without_slash(path)), ending_(ending), existed_(fs::is_directory(path_)) {
     const fs::path beside = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
+    // What killed flights left lies where the folder was not there yet, or in it.
+    remove_stale(beside, prefix_of(path_), kMark);
+    if (existed_) remove_stale(path_, prefix_of(path_), kMark);
     unfinished_ = make_unfinished(existed_ ? path_ : beside, path_);
     descriptor_ = ::open(unfinished_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (descriptor_ >= 0) hold(descriptor_);
