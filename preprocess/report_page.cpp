@@ -69,12 +69,12 @@ std::string picture(const std::string& png, const std::string& what) {
 
 /// The sentences that a hurried reader reads.
 std::string verdict(const RunPage& page) {
-    std::string html = page.doubt.empty()
-                           ? "<p class=\"verdict good\">Every scan is placed and held.</p>\n"
-                           : fmt::format("<p class=\"verdict bad\">Look at the poses: {}.</p>\n",
-                                         escaped(page.doubt));
-    if (page.frame_png.empty() && page.levels.empty())
-        html += fmt::format("<p class=\"verdict bad\">{}</p>\n", escaped(page.no_frame));
+    const bool no_octree = page.levels.empty();
+    std::string html =
+        no_octree ? fmt::format("<p class=\"verdict bad\">{}</p>\n", escaped(page.no_frame))
+        : page.doubt.empty() ? "<p class=\"verdict good\">Every scan is placed and held.</p>\n"
+                             : fmt::format("<p class=\"verdict bad\">Look at the poses: {}.</p>\n",
+                                           escaped(page.doubt));
     if (!page.warnings.empty()) {
         html += fmt::format("<p class=\"verdict\"><a href=\"#warnings\">{} warning{}</a></p>\n",
                             page.warnings.size(), page.warnings.size() == 1 ? "" : "s");

@@ -27,11 +27,11 @@ struct RunPage {
     Rows facts;                      ///< two columns, no head
     std::vector<Warning> warnings;   ///< in full
     std::string trust;               ///< the trust table as text
-    Rows levels;                     ///< statistics per level
+    Rows levels;                     ///< statistics per level; empty: there is no octree
     std::vector<PhaseTime> timings;  ///< of this run
     std::string plan_png;            ///< content of a PNG, the scans from above
     std::string frame_png;           ///< content of a PNG, the first frame
-    std::string no_frame;            ///< why there is none
+    std::string no_frame;            ///< why there is none; without levels, why no octree
 };
 
 /// One HTML page without anything outside itself: no script, pictures as data.
