@@ -40,7 +40,21 @@ LiveLight::LiveLight(const Context& context, const OctreeView& octree, const Sce
     }
 }
 
+LiveLight::~LiveLight() {
+    stop_settling();
+}
+
+/// What has not settled yet is begun anew, from as far as it came.
+void LiveLight::stop_settling() {
+    if (!settling_.valid()) return;
+    cancelled_ = true;
+    settling_.wait();
+    settling_ = {};
+    cancelled_ = false;
+}
+
 void LiveLight::set_scene(const Scene& scene) {
+    stop_settling();
     scene_ = scene;
     field_->set_scene(scene);
     settled_ = most_bounces_ == 0;
@@ -87,7 +101,19 @@ bool LiveLight::inject_for_a_while() {
     return false;
 }
 
+void LiveLight::count(const Convergence& result) {
+    bounces_ += std::max(result.bounces, 1);
+    settled_ = result.settled || bounces_ >= kBouncesEnough;
+    residuals_.push_back(static_cast<float>(result.residual));
+}
+
 bool LiveLight::advance() {
+    if (settling_.valid()) {
+        if (settling_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
+        count(settling_.get());
+        field_->show();
+        return true;
+    }
     if (grouped_ && grouped_->looks()) all_traced_ = false;
     if (settled()) return false;
     injecting_ = inject_for_a_while();
@@ -98,18 +124,19 @@ bool LiveLight::advance() {
     }
     const bool nothing_to_follow = (worker_ || grouped_) && field_->links().rays() == 0;
     if (settled_ || nothing_to_follow) return false;
-    const int most = most_bounces_.value_or(kBouncesEnough);
-    const int now = most_bounces_ ? most : std::min(kBouncesAtOnce, most - bounces_);
     if (most_bounces_) {
-        bounces_ = now;
-        field_->iterate(now);
-    } else {
-        const Convergence result = field_->converge(kTolerance, now);
-        bounces_ += std::max(result.bounces, 1);
-        settled_ = result.settled;
-        residuals_.push_back(static_cast<float>(result.residual));
+        bounces_ = *most_bounces_;
+        field_->iterate(bounces_);
+        settled_ = true;
+        return true;
     }
-    settled_ = settled_ || bounces_ >= most;
+    const int now = std::min(kBouncesAtOnce, kBouncesEnough - bounces_);
+    if (field_->settles_beside()) {
+        settling_ = std::async(std::launch::async,
+                               [this, now] { return field_->settle(kTolerance, now, cancelled_); });
+        return false;
+    }
+    count(field_->converge(kTolerance, now));
     return true;
 }
 

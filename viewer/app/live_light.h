@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,8 +17,8 @@ namespace glowworm {
 
 /// Light that goes on propagating while a window draws. The first picture shows direct light; each
 /// frame adds a few bounces along the first rays of every lobe, a preview, until the light settles,
-/// and goes on from there when more rays are traced. Where OpenGL runs on the CPU they are traced
-/// beside the window's thread, else a step between two frames.
+/// and goes on from there when more rays are traced. Where OpenGL runs on the CPU they are traced,
+/// and light goes along them, beside the window's thread, else a step between two frames.
 class LiveLight {
   public:
     /// `most_groups`: of lobes that light is simulated on (grouped_light.h); 0: each for itself.
@@ -27,6 +29,10 @@ class LiveLight {
     LiveLight(const Context& context, const OctreeView& octree, const Scene& scene,
               const LightSettings& settings, std::optional<int> bounces, std::uint64_t most_groups,
               LightGround ground);
+
+    ~LiveLight();
+    LiveLight(const LiveLight&) = delete;
+    LiveLight& operator=(const LiveLight&) = delete;
 
     void set_scene(const Scene& scene);
     /// Where the camera is (m, world): grouped light becomes finer there, by and by.
@@ -44,6 +50,8 @@ class LiveLight {
 
   private:
     bool inject_for_a_while();
+    void stop_settling();
+    void count(const Convergence& result);
     void begin_bounces();
     bool take_rays();
 
@@ -58,6 +66,8 @@ class LiveLight {
     bool settled_ = false;
     bool injecting_ = false;
     int bounces_ = 0;  // since the lights or the rays last changed
+    std::atomic<bool> cancelled_ = false;
+    std::future<Convergence> settling_;  // beside the window's thread
 };
 
 }  // namespace glowworm

@@ -392,7 +392,7 @@ void shade_on_cpu(const GBuffer& gbuffer, const LightField& light, const ShadePa
     const auto corners = input.corners.map<gpu::CornerLight>();
     const auto pixel_lamps = input.pixel_lamps.map<gpu::uvec2>();
     const Buffer& looks = light.direct().lamp_looks();
-    std::optional<Mapped<std::uint64_t>> lamp_looks;
+    std::optional<std::span<std::uint64_t>> lamp_looks;
     if (looks.bytes() > 0) lamp_looks.emplace(looks.map<std::uint64_t>());
     gpu::ShadePass frame{
         .nodes = nodes,

@@ -158,7 +158,7 @@ void SplatPass::Picture::look() {
 }
 
 void SplatPass::add(const SplatInput& input, std::size_t first_draw) {
-    std::vector<Mapped<const PackedSurfel>> pages;
+    std::vector<std::span<const PackedSurfel>> pages;
     std::vector<PagedBatch> batches;
     for (const PageDraw& draw : input.draws.subspan(first_draw)) {
         pages.push_back(input.pages[draw.page].map<const PackedSurfel>());

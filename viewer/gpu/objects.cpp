@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 
 #include "octree/error.h"
 #include "viewer/gpu/context.h"
@@ -38,9 +39,11 @@ Buffer::Buffer(const std::string& label, std::size_t bytes) : bytes_(bytes) {
     glCreateBuffers(1, &name);
     name_ = GlName(name);
     label_object(GL_BUFFER, name, label);
-    const GLbitfield mappable = runs_on_cpu() ? GL_MAP_READ_BIT | GL_MAP_WRITE_BIT : 0;
-    glNamedBufferStorage(name, static_cast<GLsizeiptr>(std::max(bytes, kEmptyBufferBytes)), nullptr,
-                         GL_DYNAMIC_STORAGE_BIT | mappable);
+    constexpr GLbitfield kMapped =
+        GL_MAP_READ_BIT | GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+    const bool on_cpu = runs_on_cpu();
+    const auto size = static_cast<GLsizeiptr>(std::max(bytes, kEmptyBufferBytes));
+    glNamedBufferStorage(name, size, nullptr, GL_DYNAMIC_STORAGE_BIT | (on_cpu ? kMapped : 0));
     GLint64 given = 0;
     glGetNamedBufferParameteri64v(name, GL_BUFFER_SIZE, &given);
     if (given < static_cast<GLint64>(bytes)) {
@@ -51,6 +54,9 @@ Buffer::Buffer(const std::string& label, std::size_t bytes) : bytes_(bytes) {
                         label, static_cast<double>(bytes) / (1 << 20)));
     }
     clear();
+    if (!on_cpu) return;
+    at_ = glMapNamedBufferRange(name, 0, size, kMapped);
+    if (at_ == nullptr) throw Error(ExitCode::kInternal, "a GPU buffer that cannot be mapped");
 }
 
 Buffer::~Buffer() {
@@ -68,6 +74,10 @@ void Buffer::write_bytes(std::size_t offset, std::span<const std::byte> bytes) {
         throw Error(ExitCode::kInternal, "a write past the end of a GPU buffer");
     }
     if (bytes.empty()) return;
+    if (at_ != nullptr) {
+        std::memcpy(static_cast<std::byte*>(map_bytes()) + offset, bytes.data(), bytes.size());
+        return;
+    }
     glNamedBufferSubData(name_.get(), static_cast<GLintptr>(offset),
                          static_cast<GLsizeiptr>(bytes.size()), bytes.data());
 }
@@ -77,19 +87,24 @@ void Buffer::read_bytes(std::size_t offset, std::span<std::byte> bytes) const {
         throw Error(ExitCode::kInternal, "a read past the end of a GPU buffer");
     }
     if (bytes.empty()) return;
+    if (at_ != nullptr) {
+        std::memcpy(bytes.data(), static_cast<const std::byte*>(map_bytes()) + offset,
+                    bytes.size());
+        return;
+    }
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glGetNamedBufferSubData(name_.get(), static_cast<GLintptr>(offset),
                             static_cast<GLsizeiptr>(bytes.size()), bytes.data());
 }
 
-void* Buffer::map_bytes(bool only_to_read) const {
+void* Buffer::map_bytes() const {
     if (name_.get() == 0) return nullptr;
-    glMemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
-    void* at = glMapNamedBufferRange(
-        name_.get(), 0, static_cast<GLsizeiptr>(std::max(bytes_, kEmptyBufferBytes)),
-        only_to_read ? GL_MAP_READ_BIT : GL_MAP_READ_BIT | GL_MAP_WRITE_BIT);
-    if (at == nullptr) throw Error(ExitCode::kInternal, "a GPU buffer that cannot be mapped");
-    return at;
+    if (at_ == nullptr) throw Error(ExitCode::kInternal, "a GPU buffer that cannot be mapped");
+    if (std::this_thread::get_id() == made_by_) {
+        glMemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
+        glFinish();
+    }
+    return at_;
 }
 
 void Buffer::bind_storage(GLuint binding) const {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <thread>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -27,26 +28,9 @@ class GlName {
     GLuint name_ = 0;
 };
 
-/// Buffer::map(): goes back to GL when this ends.
-template <typename T>
-class Mapped {
-  public:
-    Mapped(GLuint buffer, std::size_t bytes, void* at)
-        : buffer_(buffer), values_(static_cast<T*>(at), bytes / sizeof(T)) {}
-    Mapped(Mapped&&) noexcept = default;
-    Mapped& operator=(Mapped&&) noexcept = default;
-    ~Mapped() {
-        if (buffer_.get() != 0) glUnmapNamedBuffer(buffer_.get());
-    }
-    operator std::span<T>() const { return values_; }
-
-  private:
-    GlName buffer_;
-    std::span<T> values_;
-};
-
 /// Memory of the GPU with a fixed size. An empty one is legal and holds 16 bytes of zeros, so that
-/// it can be bound.
+/// it can be bound. Where OpenGL runs on the CPU, it is memory of the process all the while: there
+/// threads other than the one that made it may map, read and write it as well.
 class Buffer {
   public:
     Buffer() = default;
@@ -81,12 +65,12 @@ class Buffer {
     }
     void clear();  ///< all zeros
 
-    /// All of its values where they lie, while the result lives; GL must not use the buffer then.
-    /// Only where OpenGL runs on the CPU, else an internal Error; const T: only to read.
+    /// All of its values where they lie, while it lives. Only where OpenGL runs on the CPU, else an
+    /// internal Error. On the thread that made it this waits for what GL has yet to do.
     template <typename T>
-    Mapped<T> map() const {
+    std::span<T> map() const {
         static_assert(std::is_trivially_copyable_v<T>);
-        return Mapped<T>(name(), bytes_, map_bytes(std::is_const_v<T>));
+        return {static_cast<T*>(map_bytes()), bytes_ / sizeof(T)};
     }
 
     void bind_storage(GLuint binding) const;
@@ -98,11 +82,13 @@ class Buffer {
     std::size_t bytes() const { return bytes_; }
 
   private:
-    void* map_bytes(bool only_to_read) const;
+    void* map_bytes() const;
     void write_bytes(std::size_t offset, std::span<const std::byte> bytes);
     void read_bytes(std::size_t offset, std::span<std::byte> bytes) const;
     GlName name_;
     std::size_t bytes_ = 0;
+    void* at_ = nullptr;  // where OpenGL runs on the CPU
+    std::thread::id made_by_ = std::this_thread::get_id();
 };
 
 /// An image of fixed size and format with one level.

@@ -1,5 +1,7 @@
 #include "viewer/light/group_field.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 
 #include "viewer/light/bounce.h"
@@ -54,45 +56,30 @@ void GroupField::find_walls() {
     if (!missing.empty()) find_walls_beside(octree_, missing, walls_);
 }
 
-void GroupField::publish(const Buffer& indirect, const gpu::LightGrid& grid, bool smooth,
-                         Buffer& lit) {
+std::vector<gpu::LobeLight> GroupField::light(const Buffer& indirect, const gpu::LightGrid& grid,
+                                              bool smooth) {
     find_walls();
     const auto lights =
         group_gradients(*links_, octree_.lobes, radiance_, indirect.read<gpu::vec4>(count()));
-    publish_shown(lights, grid, smooth, lit);
-    publish_others(lights, lit);
-}
-
-/// Lobes of one domain after the other lie side by side, and go to the GPU as they do.
-void GroupField::publish_shown(std::span<const gpu::LobeLight> lights, const gpu::LightGrid& grid,
-                               bool smooth, Buffer& lit) const {
+    std::vector<gpu::LobeLight> lit(octree_.lobes.size());
+    tbb::parallel_for(std::size_t{0}, domains_->count(), [&](std::size_t d) {
+        if (groups().shown[d] != 0) return;
+        for (std::uint32_t lobe = domains_->first_lobe_of(d); lobe < domains_->first_lobe_of(d + 1);
+             ++lobe) {
+            lit[lobe] = lights[groups().group_of[lobe]];
+            lit[lobe].irradiance.w = 0.0f;
+        }
+    });
     for (std::uint32_t coarser = 0; coarser <= LightDomains::kMostCoarser; ++coarser) {
         std::vector<std::uint32_t> lobes;
-        auto spread = spread_to_lobes(octree_, *domains_, groups(), coarser, grid, lights,
-                                      radiance_, smooth, lobes);
-        for (std::size_t i = 0; i < lobes.size(); ++i)
-            spread[i].irradiance.w = static_cast<float>(walls_[lobes[i]]);
-        for (std::size_t first = 0, last = 0; first < lobes.size(); first = last) {
-            while (last < lobes.size() && lobes[last] - lobes[first] == last - first)
-                ++last;
-            lit.write(std::span<const gpu::LobeLight>(spread).subspan(first, last - first),
-                      lobes[first]);
+        const auto spread = spread_to_lobes(octree_, *domains_, groups(), coarser, grid, lights,
+                                            radiance_, smooth, lobes);
+        for (std::size_t i = 0; i < lobes.size(); ++i) {
+            lit[lobes[i]] = spread[i];
+            lit[lobes[i]].irradiance.w = static_cast<float>(walls_[lobes[i]]);
         }
     }
-}
-
-void GroupField::publish_others(std::span<const gpu::LobeLight> lights, Buffer& lit) const {
-    std::vector<gpu::LobeLight> spread;
-    for (std::size_t d = 0; d < domains_->count(); ++d) {
-        if (groups().shown[d] != 0) continue;
-        const std::uint32_t first = domains_->first_lobe_of(d);
-        spread.clear();
-        for (std::uint32_t lobe = first; lobe < domains_->first_lobe_of(d + 1); ++lobe) {
-            spread.push_back(lights[groups().group_of[lobe]]);
-            spread.back().irradiance.w = 0.0f;
-        }
-        lit.write(spread, first);
-    }
+    return lit;
 }
 
 }  // namespace glowworm

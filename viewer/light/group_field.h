@@ -29,16 +29,14 @@ class GroupField {
     /// [groups] irradiance that arrives by that radiance, which it remembers.
     std::vector<gpu::vec4> gather(const Buffer& direct, const Buffer& indirect,
                                   std::span<const gpu::vec4> emitted);
-    /// Writes what lookups read, of the radiance that was gathered last and the `indirect`
-    /// irradiance of groups, to `lit`: read between groups in domains that are shown, elsewhere
+    /// [lobes] what lookups read, of the radiance that was gathered last and the `indirect`
+    /// irradiance of groups: read between groups in domains that are shown, elsewhere
     /// each group's own for all of its lobes.
-    void publish(const Buffer& indirect, const gpu::LightGrid& grid, bool smooth, Buffer& lit);
+    std::vector<gpu::LobeLight> light(const Buffer& indirect, const gpu::LightGrid& grid,
+                                      bool smooth);
 
   private:
     void find_walls();
-    void publish_shown(std::span<const gpu::LobeLight> lights, const gpu::LightGrid& grid,
-                       bool smooth, Buffer& lit) const;
-    void publish_others(std::span<const gpu::LobeLight> lights, Buffer& lit) const;
 
     OctreeView octree_;
     const LightDomains* domains_;

@@ -64,6 +64,7 @@ void LightField::bind() const {
 }
 
 void LightField::show_to_cones() const {
+    const std::lock_guard lock(fields_);
     direct_.inject();
     if (!mirrored_) mirrored_.emplace(octree_, LightSettings{});
     if (groups_) {
@@ -146,20 +147,19 @@ void LightField::blacken() {
 
 void LightField::gather() {
     direct_.inject();
-    bind();
     if (groups_) {
         gathered_.write(groups_->gather(direct_.irradiance(), indirect_, emitted_by_lobes_));
         return;
     }
-    if (links_.on_cpu() && direct_.runs_compiled()) {
-        const auto mapped = radiance_.map<gpu::vec4>();
-        const std::span<gpu::vec4> radiance = mapped;
+    if (settles_beside()) {
+        const std::span<gpu::vec4> radiance = radiance_.map<gpu::vec4>();
         radiate(direct_.octree().lobes.map<const Lobe>(), emitted_.map<const gpu::vec4>(),
                 direct_.irradiance().map<const gpu::vec4>(), {}, indirect_.map<const gpu::vec4>(),
                 radiance);
         bounce_along(*links_.on_cpu(), radiance, gathered_.map<gpu::vec4>());
         return;
     }
+    bind();
     emitted_.bind_storage(BINDING_SCRATCH_A);
     radiate_.dispatch(octree_.lobes.size(), kGroup);
     gathered_.bind_storage(BINDING_SCRATCH_B);
@@ -171,29 +171,32 @@ void LightField::gather() {
     }
 }
 
-void LightField::publish(bool smooth) {
-    if (groups_) {
-        groups_->publish(indirect_, octree().grid, smooth, lit_);
-        return;
-    }
-    if (walls_.empty()) {
-        walls_ = walls_beside(octree_);
-        blacken();
-    }
+bool LightField::settles_beside() const {
+    return direct_.runs_compiled() && links_.on_cpu() != nullptr;
+}
+
+/// Empty where the GPU has written it.
+std::vector<gpu::LobeLight> LightField::light(bool smooth) {
+    if (groups_) return groups_->light(indirect_, octree().grid, smooth);
+    const bool first = walls_.empty();
+    if (first) walls_ = walls_beside(octree_);
     const LinkRows* rows = links_.on_cpu();
     if (cones_ || rows == nullptr) {
+        if (first) blacken();
         publish_from_gpu(smooth);
-        return;
+        return {};
     }
-    bind();
     const std::size_t lobes = octree_.lobes.size();
     auto lights = light_gradients(*rows, octree_.lobes, radiance_.read<gpu::vec4>(lobes),
                                   indirect_.read<gpu::vec4>(lobes), walls_);
-    if (smooth) {
-        const auto closed = octree().lobes.read<Lobe>(lobes);
-        lights = smoothed({octree_.nodes, closed, lights, octree().grid});
-    }
-    lit_.write(lights);
+    if (!smooth) return lights;
+    const auto closed = octree().lobes.read<Lobe>(lobes);
+    return smoothed({octree_.nodes, closed, lights, octree().grid});
+}
+
+void LightField::show() {
+    if (!settled_.empty()) lit_.write(settled_);
+    settled_ = {};
 }
 
 void LightField::publish_from_gpu(bool smooth) {
@@ -229,21 +232,32 @@ void LightField::iterate(int bounces, bool at_rest) {
         gather();
         std::swap(indirect_, gathered_);
     }
-    publish(at_rest);
+    settled_ = light(at_rest);
+    show();
 }
 
 Convergence LightField::converge(double tolerance, int max_bounces) {
+    const std::atomic<bool> cancelled = false;
+    const Convergence result = settle(tolerance, max_bounces, cancelled);
+    show();
+    return result;
+}
+
+Convergence LightField::settle(double tolerance, int max_bounces,
+                               const std::atomic<bool>& cancelled) {
     Convergence result;
     if (octree_.lobes.empty()) return {.settled = true};
     prepare_rays(kMostLinks, {});
     Anderson anderson(groups_ ? groups_->count() : octree_.lobes.size(), direct_.runs_compiled());
     while (result.bounces < max_bounces && !result.settled) {
+        if (cancelled) return result;
+        const std::lock_guard lock(fields_);
         gather();
         result.residual = anderson.step(indirect_, gathered_).relative;
         ++result.bounces;
         result.settled = result.bounces >= kLeastBounces && result.residual < tolerance;
     }
-    publish(result.settled);
+    if (!cancelled) settled_ = light(result.settled);
     return result;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
@@ -67,6 +69,12 @@ class LightField {
     /// of each lobe's rays is spread over its neighbours.
     Convergence converge(double tolerance = 1e-4, int max_bounces = 200);
 
+    /// Whether settle() may run on another thread, while frames are drawn.
+    bool settles_beside() const;
+    /// What converge() does but for show(). Ends early where `cancelled` becomes true.
+    Convergence settle(double tolerance, int max_bounces, const std::atomic<bool>& cancelled);
+    void show();  ///< what has settled becomes what lookups read
+
     /// Binds what the includes trace.glsl, direct_light.glsl and light_lookup.glsl read.
     void bind() const;
 
@@ -88,8 +96,8 @@ class LightField {
 
   private:
     void prepare_rays(std::uint32_t rays, const Progress& progress);  // at least so many
-    void gather();              // from the radiance of the current iterate into gathered_
-    void publish(bool smooth);  // what lookups read, from indirect_
+    void gather();  // from the radiance of the current iterate into gathered_
+    std::vector<gpu::LobeLight> light(bool smooth);  // what lookups read, from indirect_
     void publish_from_gpu(bool smooth);
     void blacken();  // what lookups read
 
@@ -103,6 +111,8 @@ class LightField {
     mutable Buffer radiance_;                  // [lobes] vec4
     Buffer gathered_;                          // as indirect_
     Buffer lit_;                               // [lobes] LobeLight
+    std::vector<gpu::LobeLight> settled_;      // [lobes] what show() shows; empty where it is shown
+    mutable std::mutex fields_;                // emitted_ to gathered_, where light settles beside
     Program radiate_, light_gradient_, smooth_light_;
     GpuLinks links_;
     std::optional<GroupField> groups_;
