@@ -136,6 +136,12 @@ Json run_headless(const Options& options, const Cave& cave, Console& console) {
     const Context context = Context::headless();
     spdlog::debug("drawing on {}, OpenGL {}", context.device().renderer, context.device().version);
     LightField light(context, cave.light(), start.scene, options.light);
+    if (options.frame.wetness > 0.0f && !light.fits_shaders()) {
+        spdlog::warn(
+            "walls are drawn dry: shaders of this OpenGL see at most {} MiB at once, and the light "
+            "of this cave takes more; --light-depth makes it coarser",
+            context.device().max_storage_bytes >> 20);
+    }
     cave.file.require_intact();
 
     std::optional<GroupedLight> grouped;
