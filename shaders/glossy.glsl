@@ -8,8 +8,8 @@ CONSTANT float kFilmExponent = 800.0f;      // Blinn-Phong: how sharply a flat f
 // Width of the lobe, GGX's alpha, 0..1: Toksvig 2005 spreads a film over normals whose mean has
 // length `ndf_length`; alpha^2 = 2 / (exponent + 2) (Walter et al. 2007).
 float glossy_alpha(float ndf_length) {
-    float exponent =
-        ndf_length * kFilmExponent / (ndf_length + kFilmExponent * (1.0f - ndf_length));
+    float even = clamp(ndf_length, 0.0f, 1.0f);   // what is summed up may round beyond
+    float exponent = even * kFilmExponent / (even + kFilmExponent * (1.0f - even));
     return sqrt(2.0f / (exponent + 2.0f));
 }
 

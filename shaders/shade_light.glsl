@@ -15,6 +15,7 @@ vec3 surface_normal = vec3(0.0f), to_eye = vec3(0.0f);
 float alpha = 1.0f;
 float glossy_sum = 0.0f;   // of a light's samples: irradiance per intensity or radiance, reflected
 #define EACH_SAMPLE(to_light, cosines) \
+    if (wetness > 0.0f) \
     glossy_sum += (cosines) * glossy_reflection(surface_normal, to_eye, to_light, alpha)
 #endif
 #include "direct_light.glsl"
@@ -126,20 +127,24 @@ void shade_light(uvec2 at, int first_row, int last_row) {
     vec3 normal = vec3(pixel.surface);
     float dry = 1.0f;
 #ifdef WET
-    to_eye = -normalize(pixel.along);
-    surface_normal = film_normal(normal, to_eye);
-    alpha = glossy_alpha(albedo.w);
-    glossy_sum = 0.0f;
-    dry = 1.0f - wetness * film_reflectance(dot(surface_normal, to_eye));
+    if (wetness > 0.0f) {
+        to_eye = -normalize(pixel.along);
+        surface_normal = film_normal(normal, to_eye);
+        alpha = glossy_alpha(albedo.w);
+        glossy_sum = 0.0f;
+        dry = 1.0f - wetness * film_reflectance(dot(surface_normal, to_eye));
+    }
 #endif
     vec3 added = vec3(albedo) * (dry * kReflects) *
                  direct_irradiance_of(light, pixel.position, normal,
                                       kPointOffset * grid.voxel_size, first_row, last_row);
     direct[index] += vec4(added, 0.0f);
 #ifdef WET
-    vec3 mirrored = wetness * glossy_sum * vec3(lights[light].intensity);
-    specular[index] += vec4(mirrored, 0.0f);
-    added += mirrored;
+    if (wetness > 0.0f) {
+        vec3 mirrored = wetness * glossy_sum * vec3(lights[light].intensity);
+        specular[index] += vec4(mirrored, 0.0f);
+        added += mirrored;
+    }
 #endif
     beauty[index] += vec4(added, 0.0f);
 }

@@ -41,10 +41,12 @@ void shade_surface(Pixel pixel, vec3 irradiance) {
     } else if (hit) {
         reflected = vec3(albedos[i]) * kReflects * irradiance;
 #ifdef WET
-        vec3 to_eye = -normalize(pixel.along), normal = vec3(pixel.surface);
-        vec3 film = film_normal(normal, to_eye);
-        reflected *= 1.0f - wetness * film_reflectance(dot(film, to_eye));
-        mirrored = wetness * mirrored_radiance(pixel.position, film, to_eye, albedos[i].w);
+        if (wetness > 0.0f) {
+            vec3 to_eye = -normalize(pixel.along), normal = vec3(pixel.surface);
+            vec3 film = film_normal(normal, to_eye);
+            reflected *= 1.0f - wetness * film_reflectance(dot(film, to_eye));
+            mirrored = wetness * mirrored_radiance(pixel.position, film, to_eye, albedos[i].w);
+        }
 #endif
     }
     direct[i] = vec4(0.0f);

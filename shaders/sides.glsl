@@ -4,6 +4,11 @@
 // 2 * axis is seen by who looks along -axis (it faces +axis), 2 * axis + 1 by who looks along +axis.
 #include "octree.glsl"
 
+vec4 unpack_side(uvec2 bits) {
+    return vec4(unpackHalf2x16(bits.x), unpackHalf2x16(bits.y));
+}
+
+#ifndef __cplusplus
 #ifndef SIDES_ACCESS
 #define SIDES_ACCESS readonly
 #endif
@@ -13,16 +18,13 @@ layout(std430, binding = BINDING_DENSE) readonly buffer Dense { uint dense[]; };
 const float kMostOpacity = 0.99;
 const float kMostRadiance = 60000.0;   // a half holds 65504
 
-vec4 unpack_side(uvec2 bits) {
-    return vec4(unpackHalf2x16(bits.x), unpackHalf2x16(bits.y));
-}
-
 // Opacity and radiance are clamped together, so that no path through the tree gains energy.
 uvec2 pack_side(vec4 side) {
     if (side.a > kMostOpacity) side *= kMostOpacity / side.a;
     side.rgb = min(side.rgb, vec3(kMostRadiance));
     return uvec2(packHalf2x16(side.rg), packHalf2x16(side.ba));
 }
+#endif
 
 // The node of a cell at `level`, NO_HIT where it is empty or outside.
 uint node_at(ivec3 cell, int level) {

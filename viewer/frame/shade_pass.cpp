@@ -53,7 +53,11 @@ struct ShadePass {
     std::vector<uvec2> asking = {};      // pixels, or tiles' first ones, that wait for rays
     std::vector<PixelRow> rows = {};     // of the block at hand, kRows for each of its rows
 
+    std::span<const uvec2> sides = {};  // of wet walls alone
+    std::span<const uint> dense = {};
+
 #define UNOCCLUDED shadows.unoccluded
+#define WET
 #include "shaders/shade_light.glsl"
 
 #define LIGHT_AROUND light_around
@@ -339,8 +343,9 @@ struct ShadePass {
         });
     }
 
-    /// An area light on all pixels of a block.
-    void add_area_light(uvec2 begin, uvec2 end) {
+    /// Any light on all pixels of a block, one by one.
+    void add_light(uvec2 begin, uvec2 end) {
+        const bool area = lights[light].kind == LIGHT_AREA;
         shadows.ask();
         const auto look = [&](uvec2 tile) { look_together(tile, end); };
         for (uint y = begin.y; y < end.y; y += kTile) {
@@ -348,7 +353,7 @@ struct ShadePass {
                 with_shadows(uvec2(x, y), look);
         }
         answer(look);
-        const auto shade = [&](uvec2 at) { shade_light(at, 0, AREA_SAMPLES); };
+        const auto shade = [&](uvec2 at) { shade_light(at, 0, area ? AREA_SAMPLES : 1); };
         for (uint y = begin.y; y < end.y; ++y) {
             for (uint x = begin.x; x < end.x; ++x)
                 with_shadows(uvec2(x, y), shade);
@@ -362,8 +367,8 @@ struct ShadePass {
             row = shade_row(first, std::min(uint{kLanes}, end.x - first.x));
         });
         for (light = first_of_group(); light < end_of_group(); ++light) {
-            if (lights[light].kind == LIGHT_AREA) {
-                add_area_light(begin, end);
+            if (lights[light].kind == LIGHT_AREA || wetness > 0.0f) {
+                add_light(begin, end);
             } else {
                 add_lamp(begin, end);
             }
@@ -416,10 +421,14 @@ void shade_on_cpu(const GBuffer& gbuffer, const LightField& light, const ShadePa
         .light = 0,
         .lamp_group = 0,
         .sub_pixels = input.sub_pixels,
-        .wetness = 0.0f,
+        .wetness = input.wetness,
         .shadows = ShadowQueue(&tracer),
         .near_lobes = {nodes, lobes, lobe_lights, static_cast<int>(light.octree().grid.depth)}};
     if (lamp_looks) frame.lamp_looks = *lamp_looks;
+    if (input.mirrored != nullptr) {
+        frame.sides = input.mirrored->sides().map<const gpu::uvec2>();
+        frame.dense = input.mirrored->coarse_cells().map<const gpu::uint>();
+    }
     // Each thread works on a copy of the pass.
     const auto in_blocks = [&](gpu::uvec2 size, gpu::uint edge, const auto& work) {
         tbb::enumerable_thread_specific<gpu::ShadePass> passes(frame);

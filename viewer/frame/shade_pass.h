@@ -14,12 +14,14 @@ struct ShadedLayers {
 struct ShadePassInput {
     const Buffer& panels;  ///< Panel
     std::uint32_t panel_count = 0;
-    const Buffer& corners;      ///< CornerLight, shade_corners.glsl
-    const Buffer& pixel_lamps;  ///< [pixels] uvec2, shade_corners.glsl
-    int sub_pixels = 1;         ///< Shading::draw
+    const Buffer& corners;                 ///< CornerLight, shade_corners.glsl
+    const Buffer& pixel_lamps;             ///< [pixels] uvec2, shade_corners.glsl
+    int sub_pixels = 1;                    ///< Shading::draw
+    float wetness = 0.0f;                  ///< Shading::draw
+    const ConeGather* mirrored = nullptr;  ///< LightField::show_to_cones() where walls are wet
 };
 
-/// Twin of shade.comp and shade_light.comp for dry walls where OpenGL runs on the CPU: the same
+/// Twin of shade.comp and shade_light.comp where OpenGL runs on the CPU: the same
 /// formulas as compiled code, on all cores, the same on any number of them.
 void shade_on_cpu(const GBuffer& gbuffer, const LightField& light, const ShadePassInput& input,
                   const ShadedLayers& layers);

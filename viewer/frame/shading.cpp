@@ -46,9 +46,11 @@ void Shading::draw(const GBuffer& gbuffer, const LightField& light, const View& 
     const std::size_t corners = corners_of(view.width) * corners_of(view.height);
     if (corners_.bytes() != corners * sizeof(gpu::CornerLight))
         corners_ = Buffer("corner lights", corners * sizeof(gpu::CornerLight));
-    const bool dry = wetness <= 0.0f || !light.fits_shaders();
-    if (runs_on_cpu() && !shaders_forced_ && dry) {
-        shade_on_cpu(gbuffer, light, {panels_, panel_count_, corners_, pixel_lamps_, sub_pixels},
+    if (runs_on_cpu() && !shaders_forced_) {
+        const bool wet = wetness > 0.0f && light.fits_shaders();  // which filter what is mirrored
+        shade_on_cpu(gbuffer, light,
+                     {panels_, panel_count_, corners_, pixel_lamps_, sub_pixels,
+                      wet ? wetness : 0.0f, wet ? &light.show_to_cones() : nullptr},
                      layers_);
     } else {
         draw_by_shaders(gbuffer, light, view, sub_pixels, wetness);

@@ -26,6 +26,9 @@ class ConeGather {
 
     /// Filters what is bound at BINDING_RADIANCE up the octree.
     void filter() const;
+    /// What filter() made, and where nodes lie, for what is compiled (sides.glsl).
+    const Buffer& sides() const { return sides_; }
+    const Buffer& coarse_cells() const { return dense_; }
     /// Gathers into what is bound at BINDING_SCRATCH_B.
     void gather() const;
 

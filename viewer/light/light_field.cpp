@@ -63,7 +63,7 @@ void LightField::bind() const {
     lit_.bind_storage(BINDING_LIGHT);
 }
 
-void LightField::show_to_cones() const {
+const ConeGather& LightField::show_to_cones() const {
     const std::lock_guard lock(fields_);
     direct_.inject();
     if (!mirrored_) mirrored_.emplace(octree_, LightSettings{});
@@ -75,6 +75,7 @@ void LightField::show_to_cones() const {
     emitted_.bind_storage(BINDING_SCRATCH_A);
     if (!groups_) radiate_.dispatch(octree_.lobes.size(), kGroup);
     mirrored_->filter();
+    return *mirrored_;
 }
 
 void LightField::prepare(const Progress& progress) {
