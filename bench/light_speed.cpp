@@ -9,6 +9,7 @@
 #include "viewer/app/cave.h"
 #include "viewer/light/light_field.h"
 #include "viewer/light/light_meter.h"
+#include "viewer/light/walls.h"
 
 namespace glowworm {
 namespace {
@@ -36,10 +37,17 @@ void speed_table(const Context& context, std::span<const LightMethod> methods, c
                  const char* scene_file, std::uint32_t depth) {
     const Cave cave = open_cave(file, {.depth = depth});
     const Scene scene = read_scene(scene_file);
-    const OctreeView octree = cave.light();
+    OctreeView octree = cave.light();
+    octree.links = {};  // baked ones: their trace is measured too
+    octree.links_per_lobe = 0;
     const auto lobes = static_cast<double>(octree.lobes.size());
-    fmt::print("\n{}: light at depth {}, {} lobes; a copy moves {:.1f} GB/s\n", file,
-               octree.grid.depth, octree.lobes.size(), memory_bandwidth());
+    const double before_walls = seconds();
+    walls_beside(octree);
+    const double walls = seconds() - before_walls;
+    fmt::print(
+        "\n{}: light at depth {}, {} lobes; the walls beside them take {:.0f} ms once; a copy "
+        "moves {:.1f} GB/s\n",
+        file, octree.grid.depth, octree.lobes.size(), 1e3 * walls, memory_bandwidth());
     fmt::print("{:8} {:>9} {:>10} {:>11} {:>9} {:>10} {:>8} {:>11}   {}\n", "method", "inject ms",
                "prepare ms", "bounce ms", "turn ms", "smooth ms", "bounces", "settled ms",
                "B/lobe, GB/s");

@@ -29,14 +29,17 @@ struct WallPass {
 namespace {
 
 constexpr std::uint32_t kBlockLevels =
-    2;                              // lobes of 4 x 4 x 4 leaves find their neighbours at once
+    2;                              // lobes of 2 x 2 x 2 leaves find their neighbours at once
 constexpr std::int32_t kReach = 4;  // leaves: twice the tricubic kernel's two
 
 using Channels [[gnu::vector_size(16)]] = float;
 
-/// A lobe's light by channels instead of by axes: sums run over all channels at once.
+/// A lobe's light by channels instead of by axes: sums run over all channels at once. The fourth of
+/// `irradiance` is its wall (LobeLight).
 struct LightOfLobe {
     Channels irradiance, turn[3], around;
+
+    float wall() const { return irradiance[3]; }
 };
 
 struct Cell {
@@ -53,7 +56,8 @@ class Smoothing {
                 return Channels{light.turn[0][axis], light.turn[1][axis], light.turn[2][axis]};
             };
             const gpu::vec4& irradiance = light.irradiance;
-            lights_[i].irradiance = Channels{irradiance.x, irradiance.y, irradiance.z};
+            lights_[i].irradiance =
+                Channels{irradiance.x, irradiance.y, irradiance.z, irradiance.w};
             for (int axis = 0; axis < 3; ++axis)
                 lights_[i].turn[axis] = channels(axis);
             lights_[i].around = channels(3);
@@ -159,8 +163,9 @@ class Smoothing {
         for (std::size_t k = 0; k < near.size(); ++k) {
             if (!(weights[k] > 0.0f)) continue;
             const std::uint32_t other = near.lobe[k];
-            const float weight = weights[k] * through_walls(lobe, other);
             const LightOfLobe& light = lights_[other];
+            const bool open = lights_[lobe].wall() == 0.0f && light.wall() == 0.0f;
+            const float weight = weights[k] * (open ? 1.0f : through_walls(lobe, other));
             float cosine = 0.0f;
             for (int a = 0; a < 3; ++a)
                 cosine += near.normal[a][i] * near.normal[a][k];
@@ -185,9 +190,6 @@ class Smoothing {
 
     /// Of the weight that `other` has for `lobe`, what walls beside them leave.
     float through_walls(std::uint32_t lobe, std::uint32_t other) const {
-        const float wall = input_.lobe_lights[lobe].irradiance.w;
-        const float other_wall = input_.lobe_lights[other].irradiance.w;
-        if (wall == 0.0f && other_wall == 0.0f) return 1.0f;
         gpu::WallPass pass{input_.nodes, input_.lobes, input_.lobe_lights, input_.grid};
         const gpu::vec3 here = pass.lobe_position(lobe), there = pass.lobe_position(other);
         return pass.wall_between(pass.wall_beside(lobe), here, there) ||
