@@ -113,11 +113,13 @@ void LinkTracer::trace(const LinkRays& wanted, std::span<std::uint32_t> links,
 }
 
 std::vector<std::uint32_t> trace_links(const OctreeView& octree, const LinkSettings& settings,
-                                       const Progress& progress) {
+                                       const Progress& progress,
+                                       std::shared_ptr<const RayTracer> tracer) {
     std::vector<std::uint32_t> rows(octree.lobes.size());
     std::iota(rows.begin(), rows.end(), 0u);
     std::vector<std::uint32_t> links(octree.lobes.size() * settings.rays);
-    LinkTracer(octree, settings.trace)
+    if (!tracer) tracer = make_ray_tracer(octree, settings.trace);
+    LinkTracer(octree, std::move(tracer))
         .trace({rows, 0, settings.rays, settings.rays, {}}, links, progress);
     return links;
 }

@@ -27,9 +27,11 @@ inline constexpr std::uint32_t kPreviewRays = 16;
 
 /// [lobes x settings.rays] hit lobes, kNoHit or kBuried, on all cores; the same on any number of
 /// them. Rays of a lobe are consecutive and the first n of them are a good set for every n.
-/// `progress` counts lobes and may throw to cancel.
+/// `progress` counts lobes and may throw to cancel. `tracer` is the octree's, where there is one
+/// already.
 std::vector<std::uint32_t> trace_links(const OctreeView& octree, const LinkSettings& settings,
-                                       const Progress& progress = {});
+                                       const Progress& progress = {},
+                                       std::shared_ptr<const RayTracer> tracer = nullptr);
 
 /// Rays of rows of links, `stride` apart: of each of `rows` the rays from `first` to before `last`.
 struct LinkRays {

@@ -103,7 +103,8 @@ void LightField::prepare_rays(std::uint32_t rays, const Progress& progress) {
         cones_.emplace(octree_, settings_);
         return;
     }
-    links_ = GpuLinks(context_, octree_, settings_, progress, rays);
+    links_ = GpuLinks(context_, octree_, settings_, progress, rays,
+                      direct_.runs_compiled() ? direct_.tracer() : nullptr);
 }
 
 void LightField::use_links(const LinkRows& rows) {

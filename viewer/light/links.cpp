@@ -1,6 +1,7 @@
 #include "viewer/light/links.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "octree/links.h"
 
@@ -14,7 +15,8 @@ constexpr std::uint32_t kRaysAtOnce = 16;  // a dispatch stays short enough for 
 }  // namespace
 
 GpuLinks::GpuLinks(const Context& context, const OctreeView& octree, const LightSettings& settings,
-                   const Progress& progress, std::uint32_t first_rays)
+                   const Progress& progress, std::uint32_t first_rays,
+                   std::shared_ptr<const RayTracer> tracer)
     : lobes_(static_cast<std::uint32_t>(octree.lobes.size())),
       all_rays_(std::clamp(settings.links, 1u, kMostLinks)) {
     rows_.rays = all_rays_;
@@ -31,7 +33,8 @@ GpuLinks::GpuLinks(const Context& context, const OctreeView& octree, const Light
         }
     }
     if (!baked) {
-        traced_ = trace_links(octree, {.rays = rows_.rays, .trace = settings.trace}, progress);
+        traced_ = trace_links(octree, {.rays = rows_.rays, .trace = settings.trace}, progress,
+                              std::move(tracer));
     }
     rows_.links = baked ? octree.links : traced_;
     rows_.stride = baked ? octree.links_per_lobe : rows_.rays;

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "octree/octree_file.h"
 #include "octree/progress.h"
+#include "octree/ray_tracer.h"
 #include "shaders/gpu_layout.h"
 #include "viewer/gpu/context.h"
 #include "viewer/gpu/objects.h"
@@ -22,9 +24,10 @@ class GpuLinks {
     GpuLinks() = default;
     /// Takes the octree's baked links where they have at least as many rays, else traces them: on
     /// all CPU cores where OpenGL runs on the CPU, else on the GPU, whose octree is bound, there
-    /// `first_rays` for now. The octree must outlive it.
+    /// `first_rays` for now. The octree must outlive it; `tracer` is its own, where there is one.
     GpuLinks(const Context& context, const OctreeView& octree, const LightSettings& settings,
-             const Progress& progress, std::uint32_t first_rays = kMostLinks);
+             const Progress& progress, std::uint32_t first_rays = kMostLinks,
+             std::shared_ptr<const RayTracer> tracer = nullptr);
     /// Links in the process' memory that something else has traced and keeps.
     explicit GpuLinks(const LinkRows& rows);
     /// Traces as many rays again as there are, on the GPU, whose octree is bound. False where there
