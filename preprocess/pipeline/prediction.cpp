@@ -93,8 +93,10 @@ Prediction predict(const Workload& work) {
 
     const auto known = [](double time, double guess) { return time > 0.0 ? time : guess; };
     p.read_time = kReadTime * points;
-    p.register_time =
-        kScanTime * points + known(work.pair_time, kPairTime) * static_cast<double>(work.pairs);
+    if (work.scans > 1) {
+        p.register_time =
+            kScanTime * points + known(work.pair_time, kPairTime) * static_cast<double>(work.pairs);
+    }
     p.merge_time = kMergeTime * points;
     p.surface_time = known(work.surface_time, kSurfaceTime) * size.surfels;
     p.build_time = kBuildTime * size.surfels + kLeafTime * size.leaves;
