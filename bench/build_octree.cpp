@@ -21,6 +21,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/ply_points.h"
 #include "octree/atomic_file.h"
 #include "octree/build.h"
 #include "octree/build_file.h"
@@ -34,22 +35,10 @@ namespace {
 using namespace glowworm;
 namespace fs = std::filesystem;
 
-#pragma pack(push, 1)
-struct PlyPoint {
-    float position[3], normal[3];
-    std::uint8_t colour[3];
-    float radius;
-};
-#pragma pack(pop)
-
 /// A bumpy chamber of 8 m, points in the order of a scanner's sweeps.
 void write_cave(const fs::path& path, std::size_t count) {
     std::ofstream stream(path, std::ios::binary);
-    stream
-        << "ply\nformat binary_little_endian 1.0\nelement vertex " << count
-        << "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty "
-           "float ny\nproperty float nz\nproperty uchar red\nproperty uchar green\nproperty uchar "
-           "blue\nproperty float radius\nend_header\n";
+    write_ply_header(stream, count);
     std::mt19937 random(1);
     std::normal_distribution<float> noise(0.0f, 0.003f);
     std::vector<PlyPoint> batch;
@@ -71,8 +60,7 @@ void write_cave(const fs::path& path, std::size_t count) {
              {120, 100, 80},
              radius});
         if (batch.size() == 65536 || i + 1 == count) {
-            stream.write(reinterpret_cast<const char*>(batch.data()),
-                         static_cast<std::streamsize>(batch.size() * sizeof(PlyPoint)));
+            write_ply_points(stream, batch);
             batch.clear();
         }
     }

@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/ply_points.h"
 #include "octree/vec3.h"
 
 using namespace glowworm;
@@ -26,11 +27,11 @@ using namespace glowworm;
 namespace {
 
 constexpr int kRooms = 200, kRoomsInRow = 10, kRowsInStorey = 10;
-constexpr double kStep = 12.0;     // m from room to room
-constexpr double kFlat = 0.7;      // height of a room by its width
-constexpr double kNoise = 0.002;   // m
-constexpr int kSurveyed = 4000;    // samples that tell a piece's area
-constexpr int kLampEvery = 25;     // rooms
+constexpr double kStep = 12.0;    // m from room to room
+constexpr double kFlat = 0.7;     // height of a room by its width
+constexpr double kNoise = 0.002;  // m
+constexpr int kSurveyed = 4000;   // samples that tell a piece's area
+constexpr int kLampEvery = 25;    // rooms
 constexpr int kFirstFlown = 45, kFlown = 5;
 constexpr double kSpeed = 1.5;  // m/s
 
@@ -119,14 +120,6 @@ std::vector<Piece> pieces_of_cave() {
     return pieces;
 }
 
-#pragma pack(push, 1)
-struct PlyPoint {
-    float position[3], normal[3];
-    std::uint8_t colour[3];
-    float radius;
-};
-#pragma pack(pop)
-
 /// Draws points of one piece's wall, evenly by area, where no neighbour's air is.
 class Wall {
   public:
@@ -180,10 +173,10 @@ class Wall {
         const Vec3d across = cross(piece.at(s + kSmall, t) - piece.at(s - kSmall, t),
                                    piece.at(s, t + kSmall) - piece.at(s, t - kSmall));
         patch.stretch = length(across) / (4.0 * kSmall * kSmall);
-        const Vec3d middle =
-            piece.is_room ? piece.from
-                          : piece.axis(dot(patch.place - piece.from, piece.to - piece.from) /
-                                       dot(piece.to - piece.from, piece.to - piece.from));
+        const Vec3d middle = piece.is_room
+                                 ? piece.from
+                                 : piece.axis(dot(patch.place - piece.from, piece.to - piece.from) /
+                                              dot(piece.to - piece.from, piece.to - piece.from));
         patch.normal = normalized(across);
         if (dot(patch.normal, middle - patch.place) < 0.0) patch.normal = patch.normal * -1.0;
         patch.is_open = true;
@@ -218,10 +211,7 @@ void write_points(const std::filesystem::path& path, std::size_t count,
         sum += counts.back();
     }
     std::ofstream stream(path, std::ios::binary);
-    stream << "ply\nformat binary_little_endian 1.0\nelement vertex " << sum
-           << "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
-              "property float ny\nproperty float nz\nproperty uchar red\nproperty uchar green\n"
-              "property uchar blue\nproperty float radius\nend_header\n";
+    write_ply_header(stream, sum);
     constexpr std::size_t kAtOnce = 16;
     for (std::size_t first = 0; first < walls.size(); first += kAtOnce) {
         const std::size_t last = std::min(first + kAtOnce, walls.size());
@@ -231,8 +221,7 @@ void write_points(const std::filesystem::path& path, std::size_t count,
                 drawn[k - first].push_back(walls[k].draw(radius));
         });
         for (const auto& points : drawn)
-            stream.write(reinterpret_cast<const char*>(points.data()),
-                         static_cast<std::streamsize>(points.size() * sizeof(PlyPoint)));
+            write_ply_points(stream, points);
     }
     std::cout << sum << " points on " << area << " m2\n";
 }
