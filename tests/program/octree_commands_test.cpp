@@ -77,7 +77,7 @@ TEST(OctreeCommands, AMemoryLimitChangesNoByteAndLeavesNothingBehind) {
     write_surfels(folder / "s.ply", 300000);
     ASSERT_EQ(glowworm({"build", folder / "s.ply", "-o", results / "a.svo"}).code, 0);
     const Ended limited = glowworm(
-        {"build", folder / "s.ply", "-o", results / "b.svo", "--memory-limit", "135M", "--json"});
+        {"build", folder / "s.ply", "-o", results / "b.svo", "--memory-limit", "97M", "--json"});
     ASSERT_EQ(limited.code, 0) << limited.err;
     EXPECT_THAT(limited.out, ::testing::Not(HasSubstr("\"tiles\": 0")));
     EXPECT_TRUE(bytes_of(results / "a.svo") == bytes_of(results / "b.svo"));
