@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "octree/scene.h"
 #include "octree/surfel.h"
 
 namespace glowworm::testing {
@@ -60,6 +61,13 @@ inline SurfelCloud dogleg(float spacing) {
     wall(0, 4.0f, -1.0f, {0, 0, 0}, {4, 4, 1});
     wall(0, 3.0f, 1.0f, {0, 1, 0}, {4, 4, 1});
     return cloud;
+}
+
+/// One lamp there, of 10 W·sr⁻¹ a channel.
+inline Scene lamp_at(const Vec3d& position) {
+    Scene scene;
+    scene.point_lights.push_back({"lamp", position, {10.0f, 10.0f, 10.0f}});
+    return scene;
 }
 
 }  // namespace glowworm::testing

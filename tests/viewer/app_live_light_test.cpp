@@ -14,12 +14,7 @@ namespace glowworm {
 namespace {
 
 using ::testing::HasSubstr;
-
-Scene lamp_at(const Vec3d& position) {
-    Scene scene;
-    scene.point_lights.push_back({"lamp", position, {10.0f, 10.0f, 10.0f}});
-    return scene;
-}
+using testing::lamp_at;
 
 Octree at_depth(const SurfelCloud& cloud, std::uint32_t depth) {
     BuildSettings settings;

@@ -18,16 +18,12 @@
 namespace glowworm {
 namespace {
 
+using testing::lamp_at;
+
 Octree dogleg(std::uint32_t depth) {
     BuildSettings settings;
     settings.depth = depth;
     return build_octree(testing::dogleg(0.03f), settings);
-}
-
-Scene lamp_at(const Vec3d& position) {
-    Scene scene;
-    scene.point_lights.push_back({"lamp", position, {10.0f, 10.0f, 10.0f}});
-    return scene;
 }
 
 double mean_of(const std::vector<gpu::vec4>& values) {

@@ -78,7 +78,8 @@ class LightField {
     /// Binds what the includes trace.glsl, direct_light.glsl and light_lookup.glsl read.
     void bind() const;
 
-    /// Binds what cone.glsl reads: the light as it is now, filtered up the octree; that is returned.
+    /// Binds what cone.glsl reads: the light as it is now, filtered up the octree; that is
+    /// returned.
     const ConeGather& show_to_cones() const;
     /// Whether shaders can see all of it; compiled code always does.
     bool fits_shaders() const;
